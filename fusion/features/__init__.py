@@ -1,0 +1,1 @@
+"""Backbones, PCA by modality and spectra."""

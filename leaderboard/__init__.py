@@ -1,0 +1,1 @@
+"""Records in, tables that can be trusted out."""

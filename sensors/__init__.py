@@ -1,0 +1,1 @@
+"""Scenes in, paired recordings out: contact, taxel electronics and optics of simulated tactile sensors."""

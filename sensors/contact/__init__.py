@@ -1,0 +1,1 @@
+"""Contact rungs and the oracles that test them."""

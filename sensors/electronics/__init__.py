@@ -1,0 +1,1 @@
+"""From true taxel loads to the forces that a taxel array reads."""

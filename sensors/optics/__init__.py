@@ -1,0 +1,1 @@
+"""From a deformed skin to the frame that the camera sees."""

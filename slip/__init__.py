@@ -1,0 +1,1 @@
+"""Force sequences in, slip scores out."""

@@ -1,0 +1,1 @@
+"""The harness and the door: datasets, tasks, runs, scores."""

@@ -1,0 +1,1 @@
+"""Datasets on disk: format, writer, reader, importers, public recordings."""
