@@ -1,0 +1,190 @@
+"""Dataset on disk -> arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from vtbench.data.integrity import dataset_problems
+from vtbench.data.meta import DatasetMeta, read_meta
+from vtbench.data.png import decode_png
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Verify = Literal["size", "sha256", False]
+
+
+class Dataset:
+    """A finished dataset, read column by column.
+
+    Attributes:
+        path: its folder.
+        meta: what `dataset.json` holds.
+    """
+
+    def __init__(self, path: Path, meta: DatasetMeta) -> None:
+        self.path = path
+        self.meta = meta
+
+    @classmethod
+    def open(cls, path: Path | str, verify: Verify = "size") -> Dataset:
+        """Open the dataset in folder `path`.
+
+        Args:
+            path: folder that holds `dataset.json`.
+            verify: compare the shards' sizes with `dataset.json` (`"size"`), their checksums too
+                (`"sha256"`), or nothing (`False`).
+
+        Raises:
+            ValueError: no dataset there, or a shard that is missing, truncated or changed; it is named.
+        """
+        path = Path(path)
+        dataset = cls(path, read_meta(path))
+        if verify:
+            problems = dataset_problems(path, dataset.meta, checksums=verify == "sha256")
+            if problems:
+                more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+                raise ValueError(f"{path}: {problems[0]}{more}; generate or import the dataset again")
+        return dataset
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 that changes when any byte of any shard does."""
+        return self.meta.hash
+
+    @property
+    def classes(self) -> list[str]:
+        """Object names; a sample's `label` is an index into them."""
+        return list(self.meta.classes)
+
+    @property
+    def n(self) -> int:
+        """Number of samples."""
+        return self.meta.samples
+
+    def __len__(self) -> int:
+        return self.n
+
+    def __repr__(self) -> str:
+        height, width = self.meta.image_size
+        return (
+            f"Dataset({str(self.path)!r}: {self.n} samples of {self.meta.name}, {len(self.classes)} objects, "
+            f"{self.meta.n_taxels} taxels, {height}x{width} frames)"
+        )
+
+    def columns(self, names: Sequence[str] | None = None) -> pd.DataFrame:
+        """Columns as a pandas frame, one row a sample; without `names` all that hold one plain value."""
+        if names is None:
+            plain = self._schema
+            names = [field.name for field in plain if not pa.types.is_nested(field.type)]
+        frame: pd.DataFrame = self._table(names).to_pandas()
+        return frame
+
+    def images(
+        self, indices: Sequence[int] | NDArray[Any] | None = None, column: str = "image"
+    ) -> NDArray[np.uint8]:
+        """Frames (n, height, width, 3) uint8 RGB of the samples `indices` (all by default), in that order."""
+        wanted = self._indices(indices)
+        frames = np.empty((len(wanted), *self.meta.image_size, 3), np.uint8)
+        for places, cells in self._by_shard(wanted, column):
+            for place, cell in zip(places, cells.field("bytes"), strict=True):
+                frame = decode_png(cell.as_py())
+                if frame.shape != frames.shape[1:]:
+                    raise ValueError(
+                        f"{self.path}: sample {wanted[place]}, column {column!r}: "
+                        f"frame of shape {frame.shape}, expected {frames.shape[1:]}"
+                    )
+                frames[place] = frame
+        return frames
+
+    def force(
+        self, indices: Sequence[int] | NDArray[Any] | None = None, column: str = "force"
+    ) -> NDArray[np.float32]:
+        """Taxel forces (n, taxels) float32 newtons: read-back (`force`) or true load (`taxel_load`)."""
+        return self._fixed(indices, column, (self.meta.n_taxels,), np.float32)
+
+    def force_series(self, indices: Sequence[int] | NDArray[Any] | None = None) -> list[NDArray[np.float32]]:
+        """Force histories, each (T, taxels) float32 newtons at `meta.rate_hz`."""
+        wanted = self._indices(indices)
+        series: list[NDArray[np.float32]] = [np.empty((0, self.meta.n_taxels), np.float32)] * len(wanted)
+        for places, cells in self._by_shard(wanted, "force_series"):
+            values = cells.flatten().flatten().to_numpy().reshape(-1, self.meta.n_taxels)
+            stops = np.cumsum(cells.value_lengths().to_numpy())
+            for place, part in zip(places, np.split(values, stops[:-1]), strict=True):
+                series[place] = part
+        return series
+
+    def truth(
+        self, field: str, indices: Sequence[int] | NDArray[Any] | None = None
+    ) -> NDArray[np.float32] | NDArray[np.bool_]:
+        """Ground-truth grids (n, rows, columns): `displacement` [m], `pressure` [Pa] or `contact` (bool)."""
+        if field not in self.meta.truth:
+            raise ValueError(
+                f"{self.path}: no ground truth {field!r}; stored: {', '.join(self.meta.truth) or 'none'} "
+                f"(`vtbench generate ... --truth {field}` stores it)"
+            )
+        kind: Any = np.bool_ if field == "contact" else np.float32
+        grids: NDArray[np.float32] | NDArray[np.bool_] = self._fixed(
+            indices, f"truth_{field}", self.meta.truth[field], kind
+        )
+        return grids
+
+    @cached_property
+    def _schema(self) -> pa.Schema:
+        return pq.read_schema(self.path / self.meta.shards[0].name)
+
+    def _table(self, names: Sequence[str]) -> pa.Table:
+        for name in names:
+            self._need(name)
+        return pa.concat_tables(self._read(shard.name, list(names)) for shard in self.meta.shards)
+
+    def _need(self, column: str) -> None:
+        if column not in self.meta.columns:
+            raise ValueError(f"{self.path}: no column {column!r}; there are {', '.join(self.meta.columns)}")
+
+    def _read(self, shard: str, names: list[str]) -> pa.Table:
+        try:
+            return pq.read_table(self.path / shard, columns=names, use_threads=False, partitioning=None)
+        except (pa.ArrowInvalid, pa.ArrowKeyError) as error:
+            raise ValueError(f"{self.path / shard}: not readable ({error}); generate it again") from error
+
+    def _indices(self, indices: Sequence[int] | NDArray[Any] | None) -> NDArray[np.int64]:
+        wanted = np.arange(self.n) if indices is None else np.asarray(indices, np.int64)
+        if wanted.size and not (wanted.min() >= 0 and wanted.max() < self.n):
+            raise ValueError(f"{self.path}: sample indices must lie in 0..{self.n - 1}")
+        return wanted
+
+    def _by_shard(
+        self, wanted: NDArray[np.int64], column: str
+    ) -> Iterator[tuple[NDArray[np.int64], pa.Array]]:
+        """For each shard that is needed: places in the result, and the cells that belong there."""
+        self._need(column)
+        number = wanted // self.meta.samples_per_shard
+        for shard in np.unique(number):
+            places = np.flatnonzero(number == shard)
+            cells = self._read(self.meta.shards[shard].name, [column]).column(0).combine_chunks()
+            rows = wanted[places] - shard * self.meta.samples_per_shard
+            yield places, cells.take(pa.array(rows))
+
+    def _fixed(
+        self,
+        indices: Sequence[int] | NDArray[Any] | None,
+        column: str,
+        shape: tuple[int, ...],
+        kind: type[np.generic],
+    ) -> NDArray[Any]:
+        wanted = self._indices(indices)
+        result = np.empty((len(wanted), *shape), kind)
+        for places, cells in self._by_shard(wanted, column):
+            while pa.types.is_fixed_size_list(cells.type):
+                cells = cells.flatten()
+            result[places] = cells.to_numpy(zero_copy_only=False).reshape(-1, *shape)
+        return result

@@ -1,0 +1,162 @@
+"""Shards in parallel: whole or absent, resumed after a kill, the same bytes for any number of processes."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+
+from vtbench.data.files import (
+    make_folder,
+    only_writer,
+    remove_temporaries,
+    sha256_of,
+    write_text,
+    write_whole,
+)
+from vtbench.data.format import META_FILE, PARTIAL_FILE, arrow_schema, shard_name
+from vtbench.data.meta import DatasetMeta, Plan, Progress, ShardEntry, first_difference, read_meta, read_model
+from vtbench.data.table import Row, build_table, write_parquet
+
+RowMaker = Callable[[int], Row]
+
+
+def write_shards(
+    out: Path, plan: Plan, make_row: RowMaker, *, jobs: int, progress: bool = True, resume: bool = True
+) -> Path:
+    """Write the dataset that `plan` describes, `make_row(index)` giving each of its rows.
+
+    Shards that an earlier call with the same plan finished are kept when their checksum still holds; with
+    `resume=False` everything is written anew. `make_row` must depend on nothing but the index, and be
+    picklable when `jobs` > 1. Finished shards stay when anything fails.
+
+    Raises:
+        ValueError: the folder holds something else or another plan, or a row cannot be made (it is named).
+        OSError: the disk refuses, a worker process died, or another process writes here.
+    """
+    make_folder(out)
+    with only_writer(out):
+        remove_temporaries(out)
+        if not resume:
+            _clear(out)
+        done = {entry.name: entry for entry in _kept(out, plan)}
+        todo = [number for number in range(plan.n_shards) if shard_name(number) not in done]
+        if not todo and (out / META_FILE).is_file():
+            return out
+        _save(out / PARTIAL_FILE, Progress(plan=plan, shards=_in_order(done.values())))
+        (out / META_FILE).unlink(missing_ok=True)
+        with _bar(plan, done.values(), progress) as advance:
+            for entry in _run(partial(_write_shard, out, plan, make_row), todo, jobs):
+                done[entry.name] = entry
+                _save(out / PARTIAL_FILE, Progress(plan=plan, shards=_in_order(done.values())))
+                advance(entry.rows)
+        _save(out / META_FILE, DatasetMeta.of(plan, _in_order(done.values())))
+        (out / PARTIAL_FILE).unlink(missing_ok=True)
+    return out
+
+
+def _kept(out: Path, plan: Plan) -> Iterator[ShardEntry]:
+    """Shards of an earlier call that are whole; ValueError when the folder holds something else."""
+    if (out / META_FILE).is_file():
+        meta = read_meta(out)
+        earlier = Progress(plan=meta.plan, shards=meta.shards)
+    elif (out / PARTIAL_FILE).is_file():
+        earlier = read_model(out / PARTIAL_FILE, Progress)
+    elif any(out.iterdir()):
+        raise ValueError(f"{out}: not empty and holds no dataset; choose a new or empty folder")
+    else:
+        return
+    there, asked = earlier.plan.model_dump(mode="json"), plan.model_dump(mode="json")
+    if difference := first_difference(there, asked):
+        raise ValueError(
+            f"{out}: holds another dataset ({difference}); choose a new folder or delete this one"
+        )
+    for entry in earlier.shards:
+        path = out / entry.name
+        if path.is_file() and sha256_of(path) == entry.sha256:
+            yield entry
+
+
+def _write_shard(out: Path, plan: Plan, make_row: RowMaker, number: int) -> ShardEntry:
+    parent = os.getppid()
+    rows: list[Row] = []
+    with one_thread():
+        for index in plan.shard_rows(number):
+            if os.getppid() != parent:
+                raise SystemExit("the process that asked for this shard is gone")
+            try:
+                rows.append(make_row(index))
+            except OSError:
+                raise
+            except Exception as error:
+                raise ValueError(f"{plan.name}, sample {index}: {_one_line(error)}") from error
+        table = build_table(rows, arrow_schema(plan.columns, plan.n_taxels, plan.truth, plan.classes))
+        path = out / shard_name(number)
+        write_whole(path, partial(write_parquet, table))
+    return ShardEntry(name=path.name, rows=len(rows), bytes=path.stat().st_size, sha256=sha256_of(path))
+
+
+def _run(work: Callable[[int], ShardEntry], todo: list[int], jobs: int) -> Iterator[ShardEntry]:
+    if jobs == 1 or len(todo) <= 1:
+        yield from map(work, todo)
+        return
+    from joblib import Parallel, delayed
+
+    try:
+        parallel = Parallel(n_jobs=jobs, prefer="processes", return_as="generator_unordered")
+        yield from parallel(delayed(work)(number) for number in todo)
+    except BrokenProcessPool as error:
+        raise OSError(
+            "a worker process died (killed, or out of memory); finished shards are kept: run the same "
+            "command again, with fewer jobs if memory is short"
+        ) from error
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Numerical libraries on one thread, so that `jobs` processes use `jobs` cores."""
+    import cv2
+    from threadpoolctl import threadpool_limits
+
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        with threadpool_limits(1):
+            yield
+    finally:
+        cv2.setNumThreads(before)
+
+
+@contextmanager
+def _bar(plan: Plan, done: Iterable[ShardEntry], show: bool) -> Iterator[Callable[[int], object]]:
+    from tqdm import tqdm
+
+    kept = sum(entry.rows for entry in done)
+    hidden = None if show else True  # None: shown on a terminal only
+    with tqdm(
+        total=plan.samples, initial=kept, desc=plan.name, unit="sample", file=sys.stderr, disable=hidden
+    ) as bar:
+        yield bar.update
+
+
+def _in_order(entries: Iterable[ShardEntry]) -> tuple[ShardEntry, ...]:
+    return tuple(sorted(entries, key=lambda entry: entry.name))
+
+
+def _save(path: Path, model: Progress | DatasetMeta) -> None:
+    write_text(path, model.model_dump_json(indent=1) + "\n")
+
+
+def _clear(out: Path) -> None:
+    """Remove what a dataset consists of, and nothing else."""
+    for path in (*out.glob("shard-*.parquet"), out / META_FILE, out / PARTIAL_FILE):
+        path.unlink(missing_ok=True)
+
+
+def _one_line(error: Exception) -> str:
+    text = " ".join(str(error).split())
+    return text if isinstance(error, ValueError) and text else f"{type(error).__name__}: {text}"
