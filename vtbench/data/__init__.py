@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from vtbench.data.checks import check_dataset as check_dataset
     from vtbench.data.meta import DatasetMeta as DatasetMeta
     from vtbench.data.reader import Dataset as Dataset
     from vtbench.data.writer import write_dataset as write_dataset
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "Dataset": "reader",
     "DatasetMeta": "meta",
+    "check_dataset": "checks",
     "write_dataset": "writer",
 }
 __all__ = sorted(_HOMES)

@@ -1,8 +1,10 @@
-"""Are a dataset's files those that were written? Sizes and checksums, without looking inside."""
+"""Are a dataset's files those that were written? Sizes, checksums and column types, no values."""
 
 from __future__ import annotations
 
 from pathlib import Path
+
+import pyarrow as pa
 
 from vtbench.data.files import sha256_of
 from vtbench.data.meta import DatasetMeta, ShardEntry, content_hash
@@ -34,3 +36,18 @@ def shard_problem(folder: Path, shard: ShardEntry, *, checksums: bool) -> str | 
     if checksums and (found := sha256_of(path)) != shard.sha256:
         return f"{shard.name}: checksum is off: SHA-256 {found[:12]}..., expected {shard.sha256[:12]}..."
     return None
+
+
+def column_problem(schema: pa.Schema, expected: pa.Field, shard: str) -> str | None:
+    """How a shard's column differs from what was declared, in one line that names both; None when it fits."""
+    if expected.name not in schema.names:
+        return f"{shard}: column {expected.name!r} is missing"
+    found, wanted = schema.field(expected.name).type, expected.type
+    if found == wanted:
+        return None
+    where = f"{shard}, column {expected.name!r}"
+    inner, size = (kind.value_type if pa.types.is_list(kind) else kind for kind in (found, wanted))
+    forces = pa.types.is_fixed_size_list(inner) and not expected.name.startswith("truth_")
+    if forces and inner.list_size != size.list_size:
+        return f"{where}: {inner.list_size} taxels, expected {size.list_size}"
+    return f"{where}: type {found}, expected {wanted}"

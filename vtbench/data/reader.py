@@ -12,7 +12,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from vtbench.data.integrity import dataset_problems
+from vtbench.data.format import arrow_schema
+from vtbench.data.integrity import column_problem, dataset_problems
 from vtbench.data.meta import DatasetMeta, read_meta
 from vtbench.data.png import decode_png
 
@@ -83,8 +84,7 @@ class Dataset:
     def columns(self, names: Sequence[str] | None = None) -> pd.DataFrame:
         """Columns as a pandas frame, one row a sample; without `names` all that hold one plain value."""
         if names is None:
-            plain = self._schema
-            names = [field.name for field in plain if not pa.types.is_nested(field.type)]
+            names = [field.name for field in self._schema if not pa.types.is_nested(field.type)]
         frame: pd.DataFrame = self._table(names).to_pandas()
         return frame
 
@@ -109,7 +109,15 @@ class Dataset:
         self, indices: Sequence[int] | NDArray[Any] | None = None, column: str = "force"
     ) -> NDArray[np.float32]:
         """Taxel forces (n, taxels) float32 newtons: read-back (`force`) or true load (`taxel_load`)."""
-        return self._fixed(indices, column, (self.meta.n_taxels,), np.float32)
+        force = self._fixed(indices, column, (self.meta.n_taxels,), np.float32)
+        bad = np.argwhere(~np.isfinite(force))
+        if bad.size:
+            sample = self._indices(indices)[bad[0, 0]]
+            raise ValueError(
+                f"{self.path}: sample {sample}, column {column!r}: not finite at taxel {bad[0, 1]}; "
+                "`vtbench validate` lists every problem"
+            )
+        return force
 
     def force_series(self, indices: Sequence[int] | NDArray[Any] | None = None) -> list[NDArray[np.float32]]:
         """Force histories, each (T, taxels) float32 newtons at `meta.rate_hz`."""
@@ -139,7 +147,7 @@ class Dataset:
 
     @cached_property
     def _schema(self) -> pa.Schema:
-        return pq.read_schema(self.path / self.meta.shards[0].name)
+        return arrow_schema(self.meta.columns, self.meta.n_taxels, self.meta.truth, self.meta.classes)
 
     def _table(self, names: Sequence[str]) -> pa.Table:
         for name in names:
@@ -151,10 +159,19 @@ class Dataset:
             raise ValueError(f"{self.path}: no column {column!r}; there are {', '.join(self.meta.columns)}")
 
     def _read(self, shard: str, names: list[str]) -> pa.Table:
+        path = self.path / shard
         try:
-            return pq.read_table(self.path / shard, columns=names, use_threads=False, partitioning=None)
-        except (pa.ArrowInvalid, pa.ArrowKeyError) as error:
-            raise ValueError(f"{self.path / shard}: not readable ({error}); generate it again") from error
+            with pq.ParquetFile(path) as file:
+                for name in names:
+                    problem = column_problem(file.schema_arrow, self._schema.field(name), shard)
+                    if problem is not None:
+                        raise ValueError(
+                            f"{self.path}: {problem}; `vtbench validate` lists every problem"
+                        )
+                return file.read(columns=names, use_threads=False)
+        except (pa.ArrowException, OSError) as error:
+            reason = " ".join(str(error).split())
+            raise ValueError(f"{path}: not readable ({reason}); generate or import it again") from error
 
     def _indices(self, indices: Sequence[int] | NDArray[Any] | None) -> NDArray[np.int64]:
         wanted = np.arange(self.n) if indices is None else np.asarray(indices, np.int64)
