@@ -1,0 +1,127 @@
+"""The camera that looks at the inner face of the skin.
+
+Orthographic view of the 80x80 mm region; the surface enters through its slopes only (Lambert). What does not depend on
+the surface - light, falloff, cloth, vignette - is worked out once per unit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensors.contact.skin import cosine_basis, sine_basis
+from sensors.optics.canvas import Canvas
+from sensors.optics.lights import LedRing
+
+View = Literal["region", "native_crop", "full"]
+
+
+@dataclass(frozen=True)
+class CameraParameters:
+    """A 1280x720 camera whose centre square shows the whole sensing region.
+
+    `view`: `region` is that square resampled to 256x256 (0.3125 mm a pixel on 80 mm), `native_crop` its central 256x256
+    native pixels, `full` the whole 720x1280 frame with the housing at both sides. `shot_noise` and `read_noise` are
+    standard deviations in grey levels of a native pixel, at full scale and in the dark.
+    """
+
+    view: View = "region"
+    exposure: float = 0.36
+    vignette: float = 0.20
+    shot_noise: float = 2.5
+    read_noise: float = 1.0
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the frame."""
+        return (NATIVE_ROWS, NATIVE_COLUMNS) if self.view == "full" else (REGION_PIXELS, REGION_PIXELS)
+
+
+NATIVE_ROWS, NATIVE_COLUMNS = 720, 1280
+REGION_PIXELS = 256
+_HOUSING_GREY = 12.0
+
+
+class Camera:
+    """Renders frames of one unit; shares nothing that changes between frames."""
+
+    def __init__(
+        self,
+        parameters: CameraParameters,
+        leds: LedRing,
+        canvas: Canvas,
+        size_m: float,
+        n_modes: int,
+        rng: np.random.Generator,
+        offset_m: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
+        self.parameters = parameters
+        pixels = NATIVE_ROWS if parameters.view == "full" else REGION_PIXELS
+        span = size_m if parameters.view != "native_crop" else size_m * REGION_PIXELS / NATIVE_ROWS
+        relative = ((np.arange(pixels) + 0.5) / pixels - 0.5) * span
+        x_m, y_m = relative + offset_m[0], relative + offset_m[1]
+        self._across = tuple(basis.astype(np.float32) for basis in _bases(x_m, size_m, n_modes))
+        self._down = tuple(basis.astype(np.float32) for basis in _bases(y_m, size_m, n_modes))
+        x, y = np.meshgrid(x_m, y_m)
+        cloth = canvas.reflectance(x_m, y_m, rng)
+        falloff = 1 - parameters.vignette * (x**2 + y**2) / (2 * (size_m / 2) ** 2)
+        light = leds.irradiance(x, y)
+        full_scale = 255 * parameters.exposure
+        self._facet = (light * (cloth * falloff)[:, None] * full_scale).astype(np.float32)
+        averaged = 1.0 if parameters.view != "region" else NATIVE_ROWS / REGION_PIXELS
+        self._noise_scale = 1 / averaged
+
+    def clean(
+        self, modes: NDArray[np.floating] | None, gain: NDArray[np.floating] | None = None
+    ) -> NDArray[np.float32]:
+        """Noise-free frame (3, rows, columns) in grey levels from the sine modes (n, n) of the surface (m); None: flat.
+
+        `gain` scales the three channels (drift of LEDs and exposure over a session).
+        """
+        e_x, e_y, e_z = self._facet[:, 0], self._facet[:, 1], self._facet[:, 2]
+        if modes is None:
+            frame = np.maximum(e_z, 0)
+        else:
+            slope_x, slope_y = self._slopes(modes)
+            inverse_norm = 1 / np.sqrt(1 + slope_x**2 + slope_y**2)
+            frame = np.maximum((e_z - e_x * slope_x - e_y * slope_y) * inverse_norm, 0)
+        if gain is not None:
+            frame = frame * np.asarray(gain, np.float32)[:, None, None]
+        return frame
+
+    def capture(
+        self,
+        modes: NDArray[np.floating] | None,
+        rng: np.random.Generator | None = None,
+        gain: NDArray[np.floating] | None = None,
+    ) -> NDArray[np.uint8]:
+        """A frame (rows, columns, 3) uint8 RGB; no sensor noise where `rng` is None."""
+        frame = self.clean(modes, gain)
+        if rng is not None:
+            p = self.parameters
+            variance = p.read_noise**2 + p.shot_noise**2 / 255 * frame
+            frame = frame + rng.standard_normal(frame.shape, dtype=np.float32) * (
+                np.sqrt(variance) * np.float32(self._noise_scale)
+            )
+        levels = np.clip(np.rint(frame), 0, 255).astype(np.uint8).transpose(1, 2, 0)
+        if self.parameters.view != "full":
+            return np.ascontiguousarray(levels)
+        whole = np.full((NATIVE_ROWS, NATIVE_COLUMNS, 3), _HOUSING_GREY, np.uint8)
+        left = (NATIVE_COLUMNS - NATIVE_ROWS) // 2
+        whole[:, left : left + NATIVE_ROWS] = levels
+        return whole
+
+    def _slopes(self, modes: NDArray[np.floating]) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+        sine_x, cosine_x = self._across
+        sine_y, cosine_y = self._down
+        return sine_y @ modes @ cosine_x.T, cosine_y @ modes @ sine_x.T
+
+
+def _bases(
+    position_m: NDArray[np.float64], size_m: float, n_modes: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    relative = position_m / size_m + 0.5
+    return sine_basis(relative, n_modes), cosine_basis(relative, n_modes, size_m)
