@@ -1,1 +1,39 @@
 """Scenes in, paired recordings out: contact, taxel electronics and optics of simulated tactile sensors."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sensors.describe import describe
+    from sensors.fvsight import FVSightParameters, FVSightUnit
+    from sensors.press import TRUTH_FIELDS, simulate
+    from sensors.recording import Recording
+    from sensors.scene import PressScene
+
+__all__ = [
+    "TRUTH_FIELDS",
+    "FVSightParameters",
+    "FVSightUnit",
+    "PressScene",
+    "Recording",
+    "describe",
+    "simulate",
+]
+
+_HOME = {
+    "TRUTH_FIELDS": "press",
+    "FVSightParameters": "fvsight",
+    "FVSightUnit": "fvsight",
+    "PressScene": "scene",
+    "Recording": "recording",
+    "describe": "describe",
+    "simulate": "press",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)

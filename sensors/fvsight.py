@@ -1,0 +1,214 @@
+"""FVSight: a skin of canvas over a 4x4 piezoresistive array, watched from inside by a camera.
+
+Region, array, divider, supply, sampling rates and camera are the paper's ("A novel tactile sensor with multimodal
+vision and tactile units for multifunctional robot interaction", Table I). Skin, LEDs and the spreads between units are stated
+models: the paper gives none of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from sensors.contact.grid import Grid
+from sensors.contact.layer import LayerCompliance, LayerMaterial
+from sensors.contact.skin import SkinCompliance, SkinMaterial, sine_basis
+from sensors.contact.solver import ContactSolution, solve_load
+from sensors.electronics.piezoresistive import PiezoresistiveChain
+from sensors.optics.camera import Camera, CameraParameters, View
+from sensors.optics.canvas import Canvas
+from sensors.optics.lights import LedRing
+
+TAXELS_PER_SIDE = 4
+FORCE_RATE_HZ = 1000.0
+_UNIT_ENTROPY = 0x5F5349
+"""A unit is the same physical sensor in every run: its traits depend on its number alone."""
+
+
+class FVSightParameters(BaseModel):
+    """What can be set on an FVSight; every length, force and angle carries its unit in its name."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    region_mm: float = Field(80.0, gt=0, description="side of the square sensing region")
+    support: Literal["hollow", "plate"] = Field(
+        "hollow",
+        description="hollow: the skin spans the housing and the camera sees its inner face; plate: the film is bonded "
+        "to a rigid window and the camera sees its touched face through it, as in gel sensors",
+    )
+    tension_n_per_m: float = Field(600.0, gt=0, description="stretch of the skin over its frame")
+    film_thickness_mm: float = Field(1.5, gt=0)
+    film_modulus_mpa: float = Field(5.0, gt=0)
+    film_poisson: float = Field(0.45, ge=0, le=0.5)
+    grid: int = Field(128, ge=16, le=512, multiple_of=4, description="cells along a side of the contact grid")
+    view: View = Field("region", description="what the camera stores: region, native_crop or full")
+    stretching_bound: float = Field(
+        0.15,
+        gt=0,
+        description="a press is refused where neglected stretching makes the deflection this much too large",
+    )
+    force_noise_mv: float = Field(1.0, ge=0)
+    hysteresis: bool = True
+    camera_noise: bool = True
+    tension_spread: float = Field(0.05, ge=0, description="standard deviation between units, relative")
+    taxel_gain_spread: float = Field(0.03, ge=0, description="between taxels of a unit, relative conductance")
+    unit_gain_spread: float = Field(0.02, ge=0, description="between units, relative conductance")
+    led_power_spread: float = Field(0.08, ge=0, description="between the LEDs of all units, relative")
+    led_azimuth_spread_deg: float = Field(3.0, ge=0)
+    camera_offset_mm: float = Field(0.5, ge=0, description="between units, each axis")
+    session_gain_drift: float = Field(0.01, ge=0, description="between sessions, per taxel, relative force")
+    session_offset_n: float = Field(0.02, ge=0, description="between sessions, per taxel, after taring")
+    session_light_drift: float = Field(0.02, ge=0, description="between sessions, per colour channel, relative")
+
+    @property
+    def skin(self) -> SkinMaterial:
+        """Nominal skin in SI units."""
+        film = LayerMaterial(self.film_thickness_mm * 1e-3, self.film_modulus_mpa * 1e6, self.film_poisson)
+        return SkinMaterial(film, self.tension_n_per_m)
+
+
+@dataclass(frozen=True)
+class Press:
+    """One solved press: contact, sine modes of what the camera sees (m) and true taxel loads (16,) in newtons."""
+
+    contact: ContactSolution
+    surface_modes: NDArray[np.floating]
+    taxel_load: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Session:
+    """How one recording session differs from the unit's calibration."""
+
+    gain: NDArray[np.float64]
+    offset_n: NDArray[np.float64]
+    light: NDArray[np.float64]
+
+
+class FVSightUnit:
+    """One physical sensor; `unit` picks its traits. Building it costs tens of milliseconds, a press a few: reuse it."""
+
+    def __init__(self, parameters: FVSightParameters, unit: int) -> None:
+        self.parameters = parameters
+        self.unit = unit
+        self.grid = Grid(parameters.grid, parameters.region_mm * 1e-3)
+        traits = np.random.default_rng([_UNIT_ENTROPY, unit])
+        skin = parameters.skin
+        tension = skin.tension_n_per_m * (1 + parameters.tension_spread * traits.standard_normal())
+        self.skin = replace(skin, tension_n_per_m=tension)
+        unit_gain = parameters.unit_gain_spread * traits.standard_normal()
+        taxel_gain = parameters.taxel_gain_spread * traits.standard_normal(TAXELS_PER_SIDE**2)
+        self.taxel_gain = (1 + unit_gain) * (1 + taxel_gain)
+        self._led_power = 1 + parameters.led_power_spread * traits.standard_normal(3)
+        self._led_turn = parameters.led_azimuth_spread_deg * traits.standard_normal(3)
+        self._camera_offset = parameters.camera_offset_mm * 1e-3 * traits.standard_normal(2)
+        self._cloth_rng = traits.spawn(1)[0]
+        self._tiles = self._tile_sums()
+
+    @cached_property
+    def compliance(self) -> SkinCompliance | LayerCompliance:
+        """The contact rung of this unit, float32."""
+        if self.parameters.support == "plate":
+            return LayerCompliance(self.grid, self.skin.film, np.float32)
+        return SkinCompliance(self.grid, self.skin, np.float32)
+
+    @cached_property
+    def camera(self) -> Camera:
+        """The unit's camera with its own LEDs and cloth."""
+        nominal = LedRing()
+        first, second, third = (float(a + t) for a, t in zip(nominal.azimuths_deg, self._led_turn, strict=True))
+        red, green, blue = (float(power) for power in self._led_power)
+        leds = replace(nominal, azimuths_deg=(first, second, third), power=(red, green, blue))
+        offset = (float(self._camera_offset[0]), float(self._camera_offset[1]))
+        view = CameraParameters(view=self.parameters.view)
+        return Camera(view, leds, Canvas(), self.grid.size_m, self.grid.n, self._cloth_rng, offset)
+
+    @cached_property
+    def chain(self) -> PiezoresistiveChain:
+        """The electronics of the array."""
+        chain = PiezoresistiveChain(noise_v=self.parameters.force_noise_mv * 1e-3)
+        return chain if self.parameters.hysteresis else replace(chain, hysteresis=None)
+
+    def _tile_sums(self) -> NDArray[np.float32]:
+        """(4, n) matrix that sums the cells of each taxel along one axis."""
+        n = self.grid.n
+        return np.kron(np.eye(TAXELS_PER_SIDE), np.ones(n // TAXELS_PER_SIDE)).astype(np.float32)
+
+    def press(
+        self,
+        gap: NDArray[np.floating],
+        load_n: float,
+        initial: NDArray[np.floating] | None = None,
+    ) -> Press:
+        """Press an object of `gap` (n, n; metres, inf where there is none) with `load_n`; one contact solve.
+
+        Raises ValueError where the skin would sink so far that its linear model is off by more than `stretching_bound`.
+        """
+        contact = solve_load(self.compliance, gap, load_n, initial=initial)
+        if self.parameters.support == "hollow":
+            self._refuse_stretching(contact.indentation_m, load_n)
+        return Press(contact, self._surface_modes(contact.pressure), self.taxel_load(contact.pressure))
+
+    def _surface_modes(self, pressure: NDArray[np.floating]) -> NDArray[np.floating]:
+        if isinstance(self.compliance, SkinCompliance):
+            return self.compliance.deflection_modes(pressure)
+        basis = _grid_basis(self.grid.n)
+        return basis.T @ self.compliance.displacement(pressure) @ basis
+
+    def surface(self, modes: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Displacement (n, n) in metres of the surface that the camera sees."""
+        basis = _grid_basis(self.grid.n)
+        return basis @ modes @ basis.T
+
+    def _refuse_stretching(self, indentation_m: float, load_n: float) -> None:
+        error = self.skin.stretching_excess(indentation_m, self.grid.size_m / 2)
+        if error > self.parameters.stretching_bound:
+            raise ValueError(
+                f"a press of {load_n:.3g} N sinks {indentation_m * 1e3:.2f} mm into the skin, where neglecting its "
+                f"stretching is off by {error:.0%} (bound {self.parameters.stretching_bound:.0%}): "
+                "lower the load or raise tension_n_per_m"
+            )
+
+    def taxel_load(self, pressure: NDArray[np.floating]) -> NDArray[np.float64]:
+        """True load (N) on each of the 16 taxels, row by row: the film's base pressure over its tile."""
+        base = self.compliance.base_pressure(pressure)
+        tiles = self._tiles @ base @ self._tiles.T * self.grid.cell_area_m2
+        return tiles.ravel().astype(np.float64)
+
+    def session(self, rng: np.random.Generator | None) -> Session:
+        """Draw a session's drift; None is a session without any."""
+        p, taxels = self.parameters, TAXELS_PER_SIDE**2
+        if rng is None:
+            return Session(np.ones(taxels), np.zeros(taxels), np.ones(3))
+        return Session(
+            1 + p.session_gain_drift * rng.standard_normal(taxels),
+            p.session_offset_n * rng.standard_normal(taxels),
+            1 + p.session_light_drift * rng.standard_normal(3),
+        )
+
+    def read(self, load: NDArray[np.float64], session: Session, rng: np.random.Generator | None) -> NDArray[np.float32]:
+        """Read-back forces (T, 16) in newtons for true taxel loads (T, 16)."""
+        reading = self.chain.read(load, rng, self.taxel_gain)
+        return (reading * session.gain + session.offset_n).astype(np.float32)
+
+    def frame(
+        self, modes: NDArray[np.floating] | None, session: Session, rng: np.random.Generator | None
+    ) -> NDArray[np.uint8]:
+        """A frame (rows, columns, 3) uint8 RGB of the surface with sine `modes`; None is the untouched skin."""
+        return self.camera.capture(modes, rng if self.parameters.camera_noise else None, session.light)
+
+
+@lru_cache(maxsize=4)
+def _grid_basis(n: int) -> NDArray[np.float32]:
+    return sine_basis((np.arange(n) + 0.5) / n, n).astype(np.float32)
+
+
+@lru_cache(maxsize=32)
+def fvsight_unit(parameters: FVSightParameters, unit: int) -> FVSightUnit:
+    """The unit with these parameters, built once per process."""
+    return FVSightUnit(parameters, unit)
