@@ -29,7 +29,7 @@ def heightfield(name: str, n: int = RASTER_N, size_m: float = RASTER_SIZE_M) -> 
 
     Row is y, column is x, x_i = (i + 1/2) size/n - size/2; each cell is the mean of 2 x 2 samples. The
     default pitch of 0.156 mm keeps texture. Repeated calls are served from memory. An unknown name or a grid
-    that is not positive raises a ValueError.
+    that is not positive raises a ValueError. For a coarse grid use `place`, which averages over whole cells.
     """
     patch = _patch(name, n, size_m)
     field = np.zeros((n, n), np.float32)
@@ -58,12 +58,8 @@ def place(name: str, grid_n: int, size_m: float, x_m: float, y_m: float, angle_r
     start = turn @ corner / pitch + 0.5 * RASTER_N - 0.5 - np.array([patch.column, patch.row])
     matrix = np.column_stack([turn * (step / pitch), start])
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    fine = cv2.warpAffine(
-        patch.heights, matrix, (fine_n, fine_n), flags=flags, borderMode=cv2.BORDER_CONSTANT
-    )
-    placed: Raster = (
-        fine if samples == 1 else cv2.resize(fine, (grid_n, grid_n), interpolation=cv2.INTER_AREA)
-    )
+    fine = cv2.warpAffine(patch.heights, matrix, (fine_n, fine_n), flags=flags, borderMode=cv2.BORDER_CONSTANT)
+    placed: Raster = fine if samples == 1 else cv2.resize(fine, (grid_n, grid_n), interpolation=cv2.INTER_AREA)
     return placed
 
 
@@ -88,6 +84,4 @@ def _patch(name: str, n: int, size_m: float) -> _Patch:
 
 def _check_grid(n: int, size_m: float) -> None:
     if n < 1 or not np.isfinite(size_m) or size_m <= 0.0:
-        raise ValueError(
-            f"a grid needs at least one cell and a positive side in metres, got {n} cells over {size_m} m"
-        )
+        raise ValueError(f"a grid needs at least one cell and a positive side in metres, got {n} cells over {size_m} m")

@@ -1,5 +1,6 @@
 """Which objects are hardest to tell apart: distances between what the skin meets of them."""
 
+from functools import lru_cache
 from itertools import combinations
 
 import cv2
@@ -28,11 +29,7 @@ def nearest_pairs(count: int = 10) -> list[tuple[str, str, float]]:
     """
     if count < 1:
         raise ValueError(f"nearest_pairs wants at least one pair, got {count}")
-    every = names()
-    still = {name: met(name, _GRID, REGION_M, 0.0) for name in every}
-    turned = {name: _turns(name) for name in every}
-    pairs = [(a, b, _distance(still[a], turned[b])) for a, b in combinations(every, 2)]
-    return sorted(pairs, key=lambda pair: pair[2])[:count]
+    return list(_ranking(names())[:count])
 
 
 def met(name: str, grid_n: int, size_m: float, angle_rad: float) -> Array:
@@ -40,6 +37,15 @@ def met(name: str, grid_n: int, size_m: float, angle_rad: float) -> Array:
     floor = float(heightfield(name).max()) - REACH_M
     height = place(name, grid_n, size_m, 0.0, 0.0, angle_rad)
     return np.asarray(1e3 * np.maximum(height - floor, 0.0), np.float32)
+
+
+@lru_cache(maxsize=1)
+def _ranking(every: tuple[str, ...]) -> list[tuple[str, str, float]]:
+    """All pairs, nearest first."""
+    still = {name: met(name, _GRID, REGION_M, 0.0) for name in every}
+    turned = {name: _turns(name) for name in every}
+    pairs = [(a, b, _distance(still[a], turned[b])) for a, b in combinations(every, 2)]
+    return sorted(pairs, key=lambda pair: pair[2])
 
 
 def _turns(name: str) -> list[Array]:

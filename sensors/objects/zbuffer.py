@@ -69,9 +69,7 @@ def _cover(
 class MeshSurface:
     """Height function of a mesh inside a box: rasterised once at 0.1 mm, read by bilinear interpolation."""
 
-    def __init__(
-        self, build: Callable[[], Mesh], size_mm: tuple[float, float], centre_mm: tuple[float, float]
-    ) -> None:
+    def __init__(self, build: Callable[[], Mesh], size_mm: tuple[float, float], centre_mm: tuple[float, float]) -> None:
         self.build = build
         self.size_mm = size_mm
         self.centre_mm = centre_mm

@@ -1,4 +1,7 @@
-"""The objects themselves, one family a file; importing this package registers them in this order."""
+"""The objects themselves, one family a file; importing this package registers them in this order.
+
+A new object is one decorated function: a height of x and y (`register`) or a mesh (`register_mesh`), in mm.
+"""
 
 from sensors.objects.shapes import (
     batteries,

@@ -20,8 +20,6 @@ def comb(x: Array, y: Array) -> Array:
     pitch = np.where(x < 0.0, 2.4, 1.5)
     fill = np.where(x < 0.0, 0.62, 0.6) * follow(y, [(-4.0, 1.0), (8.0, 0.95), (14.0, 0.55)])
     offset = np.abs(x - pitch * (np.floor(x / pitch) + 0.5))
-    gap = (0.5 * fill * pitch - offset) * ((np.abs(x) < 57.6) & (y > -4.0)) + 10.0 * (
-        (np.abs(x) >= 57.6) | (y <= -4.0)
-    )
+    gap = (0.5 * fill * pitch - offset) * ((np.abs(x) < 57.6) & (y > -4.0)) + 10.0 * ((np.abs(x) >= 57.6) | (y <= -4.0))
     thickness = follow(y, [(-14.0, 3.4), (-11.0, 4.0), (-7.0, 4.0), (-4.0, 3.0), (14.0, 1.8)])
     return extrude(np.maximum(plate, -gap), thickness, edge=0.35)

@@ -20,7 +20,8 @@ def _cable() -> Mesh:
     title="Earphone",
     family="earphone",
     description="In-ear earphone on its side, 14.5 mm housing, silicone tip, stem, and a loop of 2 mm cable.",
-    size_mm=(60.0, 60.0, 15.0),
+    size_mm=(45.3, 44.5, 14.8),
+    centre_mm=(-0.2, 1.0),
 )
 def earphone() -> Mesh:
     """Housing near the origin, tip towards -x, stem towards +y."""
@@ -36,9 +37,7 @@ def earphone() -> Mesh:
     ]
     tip = [(3.0, -6.5), (6.3, -7.6), (6.5, -9.0), (6.0, -11.5), (4.4, -13.8), (2.4, -14.8), (2.0, -12.0)]
     lie = rotation("y", 90.0)
-    stem = sweep(
-        [(-3.0, -4.0, 7.4), (-3.0, 4.0, 6.6), (-3.0, 13.0, 5.2), (-3.0, 17.0, 4.6)], [3.4, 3.0, 2.6, 1.4]
-    )
+    stem = sweep([(-3.0, -4.0, 7.4), (-3.0, 4.0, 6.6), (-3.0, 13.0, 5.2), (-3.0, 17.0, 4.6)], [3.4, 3.0, 2.6, 1.4])
     centred = (-4.0, -8.0, 0.0)
     return merge(
         lathe(housing).moved((-4.0, -6.0, 7.5), lie).moved(centred),

@@ -32,12 +32,8 @@ def key_round(x: Array, y: Array) -> Array:
     tip = np.maximum(x - 28.5 + 0.9 * np.abs(y - 0.8), np.abs(y) - 4.25)
     blade = np.maximum(np.maximum(tip, -x - 2.0), -(y + 4.25 - cut))
     milled = follow(x, [(0.0, 0.0), (1.5, 0.7), (28.0, 0.7)]) * np.exp(-(((y - 1.6) / 0.8) ** 4))
-    emblem = bump(np.abs(circle(x + 14.5, y, 4.2)) - 0.35, 0.2) + figures(
-        x + 14.5, y, "20", (1.9, 3.4), 0.6, 0.2
-    )
-    bow_plate = extrude(
-        np.minimum(bow, neck), 2.1 + np.where(x < -8.0, np.minimum(emblem, 0.2), 0.0), edge=0.4
-    )
+    emblem = bump(np.abs(circle(x + 14.5, y, 4.2)) - 0.35, 0.2) + figures(x + 14.5, y, "20", (1.9, 3.4), 0.6, 0.2)
+    bow_plate = extrude(np.minimum(bow, neck), 2.1 + np.where(x < -8.0, np.minimum(emblem, 0.2), 0.0), edge=0.4)
     return np.maximum(bow_plate, extrude(blade, 2.3 - milled, edge=0.15))
 
 

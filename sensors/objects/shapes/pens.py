@@ -21,9 +21,7 @@ def pen_hexagonal(x: Array, y: Array) -> Array:
     barrel = np.where((x > -92.0) & (x < 20.0), lying_hexagon(y, 8.3) + 0.85, 0.0)
     barrel = np.where(barrel > 0.85, barrel, 0.0)
     cap = turned(x, y, [(0.0, 5.0), (0.8, 5.2), (50.0, 4.7), (54.0, 4.2), (57.5, 3.2), (58.0, 2.4)], 5.2)
-    clip = extrude(
-        box(x - 28.0, y, 46.0, 3.6, 1.7), follow(x, [(6.0, 10.9), (10.0, 11.0), (51.0, 10.4)]), edge=0.8
-    )
+    clip = extrude(box(x - 28.0, y, 46.0, 3.6, 1.7), follow(x, [(6.0, 10.9), (10.0, 11.0), (51.0, 10.4)]), edge=0.8)
     return np.maximum(barrel, np.maximum(cap, clip))
 
 

@@ -16,14 +16,12 @@ def _housing() -> Mesh:
     level = np.array([14.0, 14.0, 14.0, 13.6, 12.8, 11.6, 9.5, 0.0])[:, None]
     outline = 26.5 + 2.5 * np.cos(3.0 * angle)
     return patch(
-        np.stack(
-            np.broadcast_arrays(reach * outline * np.cos(angle), reach * outline * np.sin(angle), level), -1
-        )
+        np.stack(np.broadcast_arrays(reach * outline * np.cos(angle), reach * outline * np.sin(angle), level), -1)
     )
 
 
 def _cutter(x: float, y: float) -> Mesh:
-    """A raised disc with two rings of radial slots, 72 slots each 0.5 mm deep, about a plain hub."""
+    """A raised disc with two rings of radial slots, 48 slots each 0.5 mm deep, about a plain hub."""
     radius = np.linspace(0.0, _CUTTER_RADIUS, 111)[:, None]
     angle = np.linspace(0.0, 2.0 * np.pi, 577)[None, :]
     dish = np.interp(
@@ -42,8 +40,8 @@ def _cutter(x: float, y: float) -> Mesh:
     title="Shaver head",
     family="shaver",
     description="Head of a rotary shaver, three 22 mm cutters with slotted rings on a rounded triangle.",
-    size_mm=(51.5, 54.8, 17.0),
-    centre_mm=(1.7, 0.0),
+    size_mm=(53.0, 54.7, 17.0),
+    centre_mm=(2.5, 0.0),
 )
 def shaver() -> Mesh:
     """Cutters at 0, 120 and 240 degrees; faces up."""

@@ -10,9 +10,7 @@ def _handle() -> Mesh:
     """A shallow arched bar from the bowl's rim to the end of the handle."""
     x = np.linspace(-3.0, 92.0, 200)[:, None]
     across = np.linspace(-1.0, 1.0, 33)[None, :]
-    half = np.interp(
-        x, [-3.0, 4.0, 12.0, 30.0, 75.0, 86.0, 90.5, 92.0], [6.5, 4.2, 3.0, 3.0, 6.2, 6.6, 4.6, 0.5]
-    )
+    half = np.interp(x, [-3.0, 4.0, 12.0, 30.0, 75.0, 86.0, 90.5, 92.0], [6.5, 4.2, 3.0, 3.0, 6.2, 6.6, 4.6, 0.5])
     spine = np.interp(x, [-3.0, 2.0, 12.0, 22.0, 45.0, 92.0], [6.6, 7.4, 8.6, 9.0, 8.2, 3.0])
     crown = 1.2 * np.sqrt(1.0 - 0.96 * across**2)
     return patch(np.stack(np.broadcast_arrays(x, half * across, spine - 1.2 + crown), -1))
@@ -42,8 +40,8 @@ def _bowl() -> Mesh:
     family="cutlery",
     description="Teaspoon, bowl up, 136 mm long: the egg-shaped rim of a 44 x 31 mm bowl, and the neck.",
     size_mm=(136.0, 31.3, 9.0),
-    centre_mm=(24.0, 0.0),
+    centre_mm=(30.0, 0.0),
 )
 def spoon() -> Mesh:
-    """Tip of the bowl at x = -44, end of the handle at x = 92."""
-    return merge(_bowl(), _handle())
+    """Tip of the bowl at x = -38, end of the handle at x = 98."""
+    return merge(_bowl(), _handle()).moved((6.0, 0.0, 0.0))
