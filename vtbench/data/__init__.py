@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from vtbench.data.checks import check_dataset as check_dataset
+    from vtbench.data.folder_import import import_folder as import_folder
     from vtbench.data.meta import DatasetMeta as DatasetMeta
     from vtbench.data.reader import Dataset as Dataset
     from vtbench.data.writer import write_dataset as write_dataset
@@ -15,6 +16,7 @@ _HOMES = {
     "Dataset": "reader",
     "DatasetMeta": "meta",
     "check_dataset": "checks",
+    "import_folder": "folder_import",
     "write_dataset": "writer",
 }
 __all__ = sorted(_HOMES)

@@ -99,9 +99,7 @@ def _image_problems(cells: pa.Array, size: tuple[int, int]) -> Iterator[tuple[st
         yield problem, np.array(rows)
 
 
-def _label_problems(
-    cells: pa.Array, table: pa.Table, meta: DatasetMeta
-) -> Iterator[tuple[str, NDArray[np.int64]]]:
+def _label_problems(cells: pa.Array, table: pa.Table, meta: DatasetMeta) -> Iterator[tuple[str, NDArray[np.int64]]]:
     label = cells.to_numpy()
     inside = (label >= 0) & (label < len(meta.classes))
     yield f"outside 0..{len(meta.classes) - 1}", np.flatnonzero(~inside)

@@ -81,6 +81,22 @@ class Dataset:
             f"{self.meta.n_taxels} taxels, {height}x{width} frames)"
         )
 
+    def summary(self) -> dict[str, Any]:
+        """Counts that say what the dataset is: samples, objects, presses, units, sessions, taxels, frame size."""
+        frame = self.columns(["press", "unit", "session"])
+        return {
+            "name": self.meta.name,
+            "kind": self.meta.kind,
+            "samples": self.n,
+            "objects": len(self.classes),
+            "presses": {str(press): int(count) for press, count in frame["press"].value_counts().items()},
+            "units": int(frame["unit"].nunique()),
+            "sessions": len(frame[["unit", "session"]].drop_duplicates()),
+            "taxels": self.meta.n_taxels,
+            "image_size": list(self.meta.image_size),
+            "hash": self.hash,
+        }
+
     def columns(self, names: Sequence[str] | None = None) -> pd.DataFrame:
         """Columns as a pandas frame, one row a sample; without `names` all that hold one plain value."""
         if names is None:
@@ -88,9 +104,7 @@ class Dataset:
         frame: pd.DataFrame = self._table(names).to_pandas()
         return frame
 
-    def images(
-        self, indices: Sequence[int] | NDArray[Any] | None = None, column: str = "image"
-    ) -> NDArray[np.uint8]:
+    def images(self, indices: Sequence[int] | NDArray[Any] | None = None, column: str = "image") -> NDArray[np.uint8]:
         """Frames (n, height, width, 3) uint8 RGB of the samples `indices` (all by default), in that order."""
         wanted = self._indices(indices)
         frames = np.empty((len(wanted), *self.meta.image_size, 3), np.uint8)
@@ -105,9 +119,7 @@ class Dataset:
                 frames[place] = frame
         return frames
 
-    def force(
-        self, indices: Sequence[int] | NDArray[Any] | None = None, column: str = "force"
-    ) -> NDArray[np.float32]:
+    def force(self, indices: Sequence[int] | NDArray[Any] | None = None, column: str = "force") -> NDArray[np.float32]:
         """Taxel forces (n, taxels) float32 newtons: read-back (`force`) or true load (`taxel_load`)."""
         force = self._fixed(indices, column, (self.meta.n_taxels,), np.float32)
         bad = np.argwhere(~np.isfinite(force))
@@ -165,9 +177,7 @@ class Dataset:
                 for name in names:
                     problem = column_problem(file.schema_arrow, self._schema.field(name), shard)
                     if problem is not None:
-                        raise ValueError(
-                            f"{self.path}: {problem}; `vtbench validate` lists every problem"
-                        )
+                        raise ValueError(f"{self.path}: {problem}; `vtbench validate` lists every problem")
                 return file.read(columns=names, use_threads=False)
         except (pa.ArrowException, OSError) as error:
             reason = " ".join(str(error).split())
@@ -179,9 +189,7 @@ class Dataset:
             raise ValueError(f"{self.path}: sample indices must lie in 0..{self.n - 1}")
         return wanted
 
-    def _by_shard(
-        self, wanted: NDArray[np.int64], column: str
-    ) -> Iterator[tuple[NDArray[np.int64], pa.Array]]:
+    def _by_shard(self, wanted: NDArray[np.int64], column: str) -> Iterator[tuple[NDArray[np.int64], pa.Array]]:
         """For each shard that is needed: places in the result, and the cells that belong there."""
         self._need(column)
         number = wanted // self.meta.samples_per_shard

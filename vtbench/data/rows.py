@@ -52,9 +52,7 @@ def recording_row(recording: Recording, plan: Plan, index: int) -> Row:
 def image_cell(image: np.ndarray[Any, Any], size: tuple[int, int], path: str) -> tuple[bytes, str]:
     """PNG bytes and a file name for a frame of the declared (height, width)."""
     if image.dtype != np.uint8 or image.shape != (*size, 3):
-        raise ValueError(
-            f"image of shape {image.shape} and type {image.dtype}, expected {(*size, 3)} uint8 (RGB)"
-        )
+        raise ValueError(f"image of shape {image.shape} and type {image.dtype}, expected {(*size, 3)} uint8 (RGB)")
     return encode_png(image), path.replace("/", "-")
 
 

@@ -72,9 +72,7 @@ def _kept(out: Path, plan: Plan) -> Iterator[ShardEntry]:
         return
     there, asked = earlier.plan.model_dump(mode="json"), plan.model_dump(mode="json")
     if difference := first_difference(there, asked):
-        raise ValueError(
-            f"{out}: holds another dataset ({difference}); choose a new folder or delete this one"
-        )
+        raise ValueError(f"{out}: holds another dataset ({difference}); choose a new folder or delete this one")
     for entry in earlier.shards:
         path = out / entry.name
         if path.is_file() and sha256_of(path) == entry.sha256:
@@ -137,9 +135,7 @@ def _bar(plan: Plan, done: Iterable[ShardEntry], show: bool) -> Iterator[Callabl
 
     kept = sum(entry.rows for entry in done)
     hidden = None if show else True  # None: shown on a terminal only
-    with tqdm(
-        total=plan.samples, initial=kept, desc=plan.name, unit="sample", file=sys.stderr, disable=hidden
-    ) as bar:
+    with tqdm(total=plan.samples, initial=kept, desc=plan.name, unit="sample", file=sys.stderr, disable=hidden) as bar:
         yield bar.update
 
 

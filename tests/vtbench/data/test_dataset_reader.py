@@ -105,9 +105,7 @@ def test_unknown_columns_and_indices_are_refused(dataset):
 
 
 def test_truth_that_was_not_stored_names_the_flag(tmp_path):
-    out = write_dataset(
-        tmp_path, fakes.FakeScene(), samples=2, simulate=fakes.simulate, describe=fakes.describe
-    )
+    out = write_dataset(tmp_path, fakes.FakeScene(), samples=2, simulate=fakes.simulate, describe=fakes.describe)
     with pytest.raises(ValueError, match="--truth pressure"):
         Dataset.open(out).truth("pressure")
 
