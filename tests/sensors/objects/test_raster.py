@@ -42,19 +42,21 @@ def test_centred_placement_is_the_block_mean_of_the_heightfield(name):
         placed = place(name, n, REGION, 0.0, 0.0, 0.0)
         assert placed.dtype == np.float32
         assert placed.shape == (n, n)
-        assert placed == pytest.approx(expected, abs=2e-7)
+        assert np.abs(placed - expected).max() < 2e-7
 
 
 @pytest.mark.parametrize("name", WHOLE)
 def test_a_full_turn_is_no_turn(name):
     still = place(name, 128, REGION, 1e-3, -2e-3, 0.3)
-    assert place(name, 128, REGION, 1e-3, -2e-3, 0.3 + 2 * np.pi) == pytest.approx(still, abs=1e-7)
+    turned = place(name, 128, REGION, 1e-3, -2e-3, 0.3 + 2 * np.pi)
+    assert np.abs(turned - still).max() < 1e-7
 
 
 @pytest.mark.parametrize("name", names())
 def test_a_quarter_turn_takes_x_to_y(name):
     still = place(name, 128, REGION, 0.0, 0.0, 0.0)
-    assert place(name, 128, REGION, 0.0, 0.0, np.pi / 2) == pytest.approx(np.rot90(still, -1), abs=1e-6)
+    turned = place(name, 128, REGION, 0.0, 0.0, np.pi / 2)
+    assert np.abs(turned - np.rot90(still, -1)).max() < 1e-6
 
 
 @pytest.mark.parametrize("name", WHOLE)
@@ -62,7 +64,7 @@ def test_moving_by_whole_cells_moves_the_picture(name):
     still = place(name, 128, REGION, 0.0, 0.0, 0.7)
     pitch = REGION / 128
     moved = place(name, 128, REGION, 5 * pitch, -3 * pitch, 0.7)
-    assert moved[:-3, 5:] == pytest.approx(still[3:, :-5], abs=2e-6)
+    assert np.abs(moved[:-3, 5:] - still[3:, :-5]).max() < 2e-6
 
 
 @pytest.mark.parametrize("name", WHOLE)
@@ -77,7 +79,7 @@ def test_coarse_cells_are_means_of_fine_cells_in_any_pose():
     pose = (2.3e-3, -1.1e-3, 0.9)
     fine = place("comb", 256, REGION, *pose)
     coarse = place("comb", 64, REGION, *pose)
-    assert fine.reshape(64, 4, 64, 4).mean(axis=(1, 3)) == pytest.approx(coarse, abs=3e-5)
+    assert np.abs(fine.reshape(64, 4, 64, 4).mean(axis=(1, 3)) - coarse).max() < 3e-5
 
 
 def test_the_table_lies_beyond_the_raster():
