@@ -7,16 +7,28 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from vtbench.data.checks import check_dataset as check_dataset
+    from vtbench.data.fabricslide16 import FabricSlide16 as FabricSlide16
+    from vtbench.data.fabricslide16 import load_fabricslide16 as load_fabricslide16
+    from vtbench.data.fetching import fetch as fetch
     from vtbench.data.folder_import import import_folder as import_folder
     from vtbench.data.meta import DatasetMeta as DatasetMeta
+    from vtbench.data.public import PublicSet as PublicSet
+    from vtbench.data.public import data_root as data_root
+    from vtbench.data.public import public_set as public_set
     from vtbench.data.reader import Dataset as Dataset
     from vtbench.data.writer import write_dataset as write_dataset
 
 _HOMES = {
     "Dataset": "reader",
     "DatasetMeta": "meta",
+    "FabricSlide16": "fabricslide16",
+    "PublicSet": "public",
     "check_dataset": "checks",
+    "data_root": "public",
+    "fetch": "fetching",
     "import_folder": "folder_import",
+    "load_fabricslide16": "fabricslide16",
+    "public_set": "public",
     "write_dataset": "writer",
 }
 __all__ = sorted(_HOMES)
