@@ -1,8 +1,8 @@
 """FVSight: a skin of canvas over a 4x4 piezoresistive array, watched from inside by a camera.
 
 Region, array, divider, supply, sampling rates and camera are the paper's ("A novel tactile sensor with multimodal
-vision and tactile units for multifunctional robot interaction", Table I). Skin, LEDs and the spreads between units are stated
-models: the paper gives none of them.
+vision and tactile units for multifunctional robot interaction", Table I). Skin, LEDs and the spreads between
+units are stated models: the paper gives none of them.
 """
 
 from __future__ import annotations
@@ -61,6 +61,7 @@ class FVSightParameters(BaseModel):
     led_power_spread: float = Field(0.08, ge=0, description="between the LEDs of all units, relative")
     led_azimuth_spread_deg: float = Field(3.0, ge=0)
     camera_offset_mm: float = Field(0.5, ge=0, description="between units, each axis")
+    own_cloth: bool = Field(True, description="each unit has threads of its own")
     session_gain_drift: float = Field(0.01, ge=0, description="between sessions, per taxel, relative force")
     session_offset_n: float = Field(0.02, ge=0, description="between sessions, per taxel, after taring")
     session_light_drift: float = Field(0.02, ge=0, description="between sessions, per colour channel, relative")
@@ -107,7 +108,7 @@ class FVSightUnit:
         self._led_power = 1 + parameters.led_power_spread * traits.standard_normal(3)
         self._led_turn = parameters.led_azimuth_spread_deg * traits.standard_normal(3)
         self._camera_offset = parameters.camera_offset_mm * 1e-3 * traits.standard_normal(2)
-        self._cloth_rng = traits.spawn(1)[0]
+        self._cloth_rng = np.random.default_rng([_UNIT_ENTROPY, unit if parameters.own_cloth else 0, 1])
         self._tiles = self._tile_sums()
 
     @cached_property
@@ -144,14 +145,29 @@ class FVSightUnit:
         gap: NDArray[np.floating],
         load_n: float,
         initial: NDArray[np.floating] | None = None,
+        tolerance: float = 1e-4,
     ) -> Press:
         """Press an object of `gap` (n, n; metres, inf where there is none) with `load_n`; one contact solve.
 
         Raises ValueError where the skin would sink so far that its linear model is off by more than `stretching_bound`.
         """
-        contact = solve_load(self.compliance, gap, load_n, initial=initial)
+        return self.observe(self.solve(gap, load_n, initial, tolerance))
+
+    def solve(
+        self,
+        gap: NDArray[np.floating],
+        load_n: float,
+        initial: NDArray[np.floating] | None = None,
+        tolerance: float = 1e-4,
+    ) -> ContactSolution:
+        """The contact alone; see `press`."""
+        contact = solve_load(self.compliance, gap, load_n, initial=initial, tolerance=tolerance)
         if self.parameters.support == "hollow":
             self._refuse_stretching(contact.indentation_m, load_n)
+        return contact
+
+    def observe(self, contact: ContactSolution) -> Press:
+        """What camera and taxels get of a solved contact."""
         return Press(contact, self._surface_modes(contact.pressure), self.taxel_load(contact.pressure))
 
     def _surface_modes(self, pressure: NDArray[np.floating]) -> NDArray[np.floating]:

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from sensors import objects
 from sensors.contact.solver import NO_SURFACE
@@ -22,6 +21,10 @@ _AIR_M = 2e-4
 """Heights below this are the blurred outline of the object, not the object."""
 _HISTORY_LOADS = (0.05, 0.2, 0.5)
 """Shares of the full load at which the load's distribution over the taxels is solved."""
+
+
+_HISTORY_TOLERANCE = 1e-3
+"""The history needs the shares of 16 taxels, not the pressure of every cell."""
 
 
 def simulate(scene: PressScene, index: int, seed: int, truth: tuple[str, ...] = ()) -> Recording:
@@ -114,19 +117,19 @@ def taxel_history(
 ) -> NDArray[np.float64]:
     """True taxel loads (T, 16) in newtons under a history of total load (T,), with a few solves.
 
-    How the load spreads over the taxels is solved at a few loads, each from the last, and interpolated in the load.
+    How the load spreads over the taxels is solved at a few loads, each from the last, and interpolated linearly in the
+    load, which keeps their sum.
     """
     full = press.contact.force_n
     levels, shares = [full], [press.taxel_load / full]
     pressure = press.contact.pressure
-    for share in reversed(_HISTORY_LOADS):
-        lighter = unit.press(gap, share * full, initial=pressure)
+    for part in reversed(_HISTORY_LOADS):
+        lighter = unit.press(gap, part * full, initial=pressure, tolerance=_HISTORY_TOLERANCE)
         pressure = lighter.contact.pressure
-        levels.append(share * full)
+        levels.append(part * full)
         shares.append(lighter.taxel_load / lighter.contact.force_n)
-    spread = PchipInterpolator(levels[::-1], shares[::-1], axis=0)
-    history: NDArray[np.float64] = spread(np.clip(load, levels[-1], full)) * load[:, None]
-    return history
+    share = np.stack([np.interp(load, levels[::-1], column) for column in np.stack(shares[::-1], axis=1)], axis=1)
+    return share * load[:, None]
 
 
 def _labels(what: SamplePlan, seed: int, pose: tuple[float, float, float]) -> dict[str, Any]:

@@ -138,6 +138,7 @@ class PressScene(_Part):
                 ),
                 0.0,
             )
+            off["own_cloth"] = False
         if not self.effects.session_drift:
             off |= dict.fromkeys(("session_gain_drift", "session_offset_n", "session_light_drift"), 0.0)
         if not self.effects.force_noise:

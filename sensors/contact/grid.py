@@ -36,8 +36,7 @@ class Grid:
 
     def axis(self) -> NDArray[np.float64]:
         """Cell centres along one axis in metres, shape (n,)."""
-        centres: NDArray[np.float64] = (np.arange(self.n) + 0.5) * self.pitch_m - self.size_m / 2
-        return centres
+        return (np.arange(self.n, dtype=np.float64) + 0.5) * self.pitch_m - self.size_m / 2
 
     def coordinates(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Cell centres (x, y) in metres, each of shape (n, n)."""

@@ -1,7 +1,8 @@
 """The piezoresistive chain of FVSight: load -> conductance -> divider -> noise -> ADC -> force by calibration.
 
 Divider and supply are the paper's (U = VCC R / (R1 + R), eq. 1; 3.3 V, 10 kOhm, 16 bits, rows isolated while
-scanned, so no crosstalk). The conductance law G = G0 + c F^0.9 is a stated model: c puts the middle of the range at 5 N.
+scanned, so no crosstalk). The conductance law G = G0 + c F^0.9 is a stated model: c puts the middle of
+the range at 5 N.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from numpy.typing import NDArray
 
 from sensors.electronics.hysteresis import PrandtlIshlinskii
 
-LOW_HYSTERESIS = PrandtlIshlinskii((0.5, 2.0, 6.0, 15.0), (0.006,) * 4)
-"""0.28 N between the branches of a 50 N cycle, 0.6 % of full scale."""
+LOW_HYSTERESIS = PrandtlIshlinskii((0.5, 2.0, 6.0, 15.0), (0.004,) * 4)
+"""0.19 N between the branches of a 50 N cycle, 0.4 % of full scale."""
 
 
 @dataclass(frozen=True)

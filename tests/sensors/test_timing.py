@@ -1,0 +1,20 @@
+"""The cost table names every stage of every configuration and adds up."""
+
+import pytest
+
+from sensors.timing import CONFIGURATIONS, STAGES, frame_cost
+
+
+@pytest.mark.slow
+def test_rows_cover_every_stage_and_the_total_is_their_sum():
+    rows = frame_cost(repeats=1)
+    assert {(row["sensor"], row["stage"]) for row in rows} == {(s, t) for s in CONFIGURATIONS for t in STAGES}
+    for sensor in CONFIGURATIONS:
+        cost = {row["stage"]: row["ms_p50"] for row in rows if row["sensor"] == sensor}
+        parts = sum(cost[stage] for stage in STAGES[:4])
+        assert cost["frame total"] == pytest.approx(parts, rel=0.35)
+
+
+def test_no_repeats_are_refused():
+    with pytest.raises(ValueError, match="repeats"):
+        frame_cost(0)
