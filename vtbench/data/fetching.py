@@ -78,14 +78,23 @@ def _download(url: str, name: str) -> bytes:
                 data: bytes = answer.read()
                 return data
         except (OSError, http.client.HTTPException) as error:
-            final = isinstance(error, urllib.error.HTTPError) and 400 <= error.code < 500 and error.code != 429
-            if final or attempt == _TRIES:
-                reason = " ".join(str(getattr(error, "reason", "") or error or type(error).__name__).split())
-                if isinstance(error, urllib.error.HTTPError):
-                    reason = f"HTTP {error.code} {reason}"
+            if _final(error) or attempt == _TRIES:
                 raise OSError(
-                    f"cannot download {url} ({reason}); check the network and run `vtbench fetch {name}` again "
+                    f"cannot download {url} ({_reason(error)}); check the network and run `vtbench fetch {name}` again "
                     f"(files that came are kept), or set VTBENCH_DATA to a folder that holds {name}/"
                 ) from error
             time.sleep(_PAUSE_S * attempt)
     raise AssertionError("unreachable")
+
+
+def _final(error: Exception) -> bool:
+    """Would the same request fail again? Closes the answer that came."""
+    if not isinstance(error, urllib.error.HTTPError):
+        return False
+    error.close()
+    return 400 <= error.code < 500 and error.code != 429
+
+
+def _reason(error: Exception) -> str:
+    text = " ".join(str(getattr(error, "reason", "") or error or type(error).__name__).split())
+    return f"HTTP {error.code} {text}" if isinstance(error, urllib.error.HTTPError) else text

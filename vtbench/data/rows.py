@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from sensors.recording import Recording
 
 
-def recording_row(recording: Recording, plan: Plan, index: int) -> Row:
-    """Row of sample `index`; ValueError when shapes, labels or finiteness differ from `plan`."""
+def recording_row(recording: Recording, plan: Plan) -> Row:
+    """Row of one sample; ValueError when shapes, labels or finiteness differ from `plan`."""
     labels = recording.labels
     name = str(labels["object"])
     if name not in plan.classes:
@@ -27,7 +27,7 @@ def recording_row(recording: Recording, plan: Plan, index: int) -> Row:
         "press": str(labels["press"]),
         "unit": int(labels["unit"]),
         "session": int(labels["session"]),
-        "round": index // len(plan.classes),
+        "round": int(labels["round"]),
         "seed": plan.seed,
         "image": image_cell(recording.image, plan.image_size, f"{labels['id']}.png"),
         "image_rest": image_cell(recording.image_rest, plan.image_size, f"{labels['id']}-rest.png"),

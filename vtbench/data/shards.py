@@ -49,11 +49,14 @@ def write_shards(
             return out
         _save(out / PARTIAL_FILE, Progress(plan=plan, shards=_in_order(done.values())))
         (out / META_FILE).unlink(missing_ok=True)
-        with _bar(plan, done.values(), progress) as advance:
-            for entry in _run(partial(_write_shard, out, plan, make_row), todo, jobs):
-                done[entry.name] = entry
-                _save(out / PARTIAL_FILE, Progress(plan=plan, shards=_in_order(done.values())))
-                advance(entry.rows)
+        try:
+            with _bar(plan, done.values(), progress) as advance:
+                for entry in _run(partial(_write_shard, out, plan, make_row), todo, jobs):
+                    done[entry.name] = entry
+                    _save(out / PARTIAL_FILE, Progress(plan=plan, shards=_in_order(done.values())))
+                    advance(entry.rows)
+        finally:
+            remove_temporaries(out)
         _save(out / META_FILE, DatasetMeta.of(plan, _in_order(done.values())))
         (out / PARTIAL_FILE).unlink(missing_ok=True)
     return out

@@ -94,7 +94,7 @@ def write_dataset(
         seed=seed,
         samples=samples,
         samples_per_shard=samples_per_shard,
-        classes=tuple(scene.objects),
+        classes=scene.object_names,
         n_taxels=int(np.shape(first.force)[-1]),
         rate_hz=float(first.rate_hz),
         image_size=(int(first.image.shape[0]), int(first.image.shape[1])),
@@ -123,7 +123,7 @@ class _SimulatedRow:
     truth: tuple[str, ...]
 
     def __call__(self, index: int) -> Row:
-        return recording_row(self.simulate(self.scene, index, self.seed, self.truth), self.plan, index)
+        return recording_row(self.simulate(self.scene, index, self.seed, self.truth), self.plan)
 
 
 def _grid(recording: Recording, field: str) -> tuple[int, int]:

@@ -31,12 +31,12 @@ class FakeRecording:
 @dataclass(frozen=True)
 class FakeScene:
     id: str = "fake-press"
-    objects: tuple[str, ...] = OBJECTS
+    object_names: tuple[str, ...] = OBJECTS
     n_samples: int = 26
     settings: dict[str, float] = field(default_factory=lambda: {"load_n": 5.0})
 
     def model_dump(self, mode: str = "json") -> dict[str, Any]:
-        return {"id": self.id, "objects": list(self.objects), "settings": dict(self.settings)}
+        return {"id": self.id, "objects": list(self.object_names), "settings": dict(self.settings)}
 
 
 def describe(scene: FakeScene) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def describe(scene: FakeScene) -> dict[str, Any]:
 
 def simulate(scene: FakeScene, index: int, seed: int, truth: tuple[str, ...] = ()) -> FakeRecording:
     rng = np.random.default_rng([seed, index])
-    name = scene.objects[index % len(scene.objects)]
+    name = scene.object_names[index % len(scene.object_names)]
     length = 30 + index % 3
     series = rng.gamma(2.0, 0.5, (length, 16)).astype(np.float32)
     grids = {
@@ -67,10 +67,11 @@ def simulate(scene: FakeScene, index: int, seed: int, truth: tuple[str, ...] = (
         labels={
             "id": f"fake/{seed}/{index:05d}",
             "object": name,
-            "label": index % len(scene.objects),
+            "label": index % len(scene.object_names),
             "press": "shallow" if index % 5 == 4 else "deep",
             "unit": index // 13,
             "session": index // 7,
+            "round": index // len(scene.object_names),
             "seed": seed,
             "pose_x_mm": float(rng.normal()),
             "pose_y_mm": float(rng.normal()),

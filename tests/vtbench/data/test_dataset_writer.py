@@ -137,14 +137,14 @@ def test_a_folder_with_other_things_is_refused(tmp_path):
         (fakes.simulate_nan_force, "fake-press, sample 9: force is not finite at taxel 3"),
     ],
 )
-def test_a_sample_that_fails_is_named_and_whole_shards_stay(tmp_path, jobs, simulate, message):
+def test_a_sample_that_fails_is_named_and_the_rest_can_go_on(tmp_path, jobs, simulate, message, reference):
     out = tmp_path / "set"
     with pytest.raises(ValueError, match=re.escape(message)) as failure:
         write(out, jobs=jobs, simulate=simulate)
     assert str(failure.value) == message
-    assert (out / "shard-00000.parquet").exists()
     assert not list(out.glob(".*"))
     assert not (out / META_FILE).exists()
+    assert contents(write(out)) == reference
 
 
 def test_a_worker_that_dies_is_reported_in_one_line(tmp_path):
