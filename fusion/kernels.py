@@ -1,0 +1,63 @@
+"""Kernels between feature rows, each entry computed from its own pair alone.
+
+A pair's value has the same bits whichever other rows are in the call, so that one query at a time equals
+a batch, copies of an atom tie exactly, and a query that is an atom lies at distance 0. A matrix product
+would be faster and keeps none of the three.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+Gamma = float | Literal["scale"]
+
+KERNELS = ("linear", "rbf", "precomputed")
+
+
+def squared_distances(X: FloatArray, Y: FloatArray) -> FloatArray:
+    """Squared Euclidean distances of rows of X (q, d) to rows of Y (n, d): (q, n), never negative."""
+    from scipy.spatial.distance import cdist
+
+    return np.asarray(cdist(X, Y, "sqeuclidean"), dtype=np.float64)
+
+
+def linear_kernel(X: FloatArray, Y: FloatArray) -> FloatArray:
+    """Inner products of rows of X (q, d) with rows of Y (n, d): (q, n)."""
+    return np.asarray(np.matmul(X[:, None, None, :], Y[None, :, :, None])[:, :, 0, 0])
+
+
+def squared_norms(X: FloatArray) -> FloatArray:
+    """Inner product of each row of X (q, d) with itself: (q,)."""
+    return np.asarray(np.matmul(X[:, None, :], X[:, :, None])[:, 0, 0])
+
+
+def rbf_kernel(X: FloatArray, Y: FloatArray, gamma: float) -> FloatArray:
+    """exp(-gamma |x - y|^2) between rows of X (q, d) and of Y (n, d): (q, n)."""
+    return np.asarray(np.exp(-gamma * squared_distances(X, Y)))
+
+
+def cosine_normalize(K: FloatArray, self_x: FloatArray, self_y: FloatArray) -> FloatArray:
+    """k(x, y) / sqrt(k(x, x) k(y, y)); rows and columns whose own value is not positive become 0.
+
+    K is (q, n), `self_x` (q,) holds k(x, x), `self_y` (n,) holds k(y, y).
+    """
+    return K * _inverse_root(self_x)[:, None] * _inverse_root(self_y)[None, :]
+
+
+def _inverse_root(values: FloatArray) -> FloatArray:
+    positive = values > 0
+    return np.where(positive, 1.0 / np.sqrt(np.where(positive, values, 1.0)), 0.0)
+
+
+def resolve_gamma(gamma: object, X: FloatArray) -> float:
+    """Number for `gamma`: "scale" is 1 / (columns x variance of X), 1 where X is constant, as in SVC."""
+    if gamma == "scale":
+        variance = float(X.var())
+        return 1.0 / (X.shape[1] * variance) if variance > 0 else 1.0
+    if isinstance(gamma, (int, float, np.integer, np.floating)) and not isinstance(gamma, bool) and 0 < gamma < np.inf:
+        return float(gamma)
+    raise ValueError(f"gamma must be 'scale' or a positive finite number, got {gamma!r}.")
