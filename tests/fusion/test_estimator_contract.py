@@ -1,0 +1,25 @@
+"""Every public estimator passes scikit-learn's own checks, without exemptions."""
+
+import pytest
+from sklearn.utils.estimator_checks import parametrize_with_checks
+
+from fusion import JKSC, KSC, WeightedKNN
+
+
+@parametrize_with_checks([KSC(), JKSC(coupling="independent"), WeightedKNN()])
+def test_estimator_passes(estimator, check):
+    check(estimator)
+
+
+@pytest.mark.slow
+@parametrize_with_checks(
+    [
+        KSC("linear"),
+        KSC("precomputed"),
+        KSC(solver="lasso"),
+        JKSC(),
+        WeightedKNN(novelty_threshold=0.0),
+    ]
+)
+def test_estimator_passes_in_other_settings(estimator, check):
+    check(estimator)
