@@ -1,0 +1,186 @@
+"""Configurations by name or path: scenes with their variations, suites, and any pydantic model from YAML."""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from vtbench.paths import configs_dir
+from vtbench.registry import unknown
+from vtbench.yaml_file import KeyPath, YamlFile, read_yaml
+
+if TYPE_CHECKING:
+    import pydantic
+
+    from sensors.scene import PressScene
+    from vtbench.run.suite import Suite
+
+    ModelT = TypeVar("ModelT", bound=pydantic.BaseModel)
+
+VARIATIONS = "variations"
+
+_OWN_FILE = re.compile(r"(.+\.ya?ml)(?:/([^/]+))?")
+
+
+def deep_merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """`base` with `over` laid on it: mappings merge key by key, anything else is replaced. Neither is changed."""
+    merged = {key: copy.deepcopy(value) for key, value in base.items()}
+    for key, value in over.items():
+        below = merged.get(key)
+        if isinstance(below, dict) and isinstance(value, Mapping):
+            merged[key] = deep_merge(below, value)
+        else:
+            merged[key] = copy.deepcopy(value)
+    return merged
+
+
+def from_dotted(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """`{"pose.shift_mm": 4}` as the nested mapping `{"pose": {"shift_mm": 4}}`.
+
+    Raises:
+        ValueError: a key is empty between its dots, or sets both a value and something inside it.
+    """
+    nested: dict[str, Any] = {}
+    for key, value in settings.items():
+        *parents, last = key.split(".")
+        if not all([*parents, last]):
+            raise ValueError(f"expected a key such as 'pose.shift_mm', got {key!r}")
+        here: Any = nested
+        for parent in parents:
+            here = here.setdefault(parent, {})
+            if not isinstance(here, dict):
+                raise ValueError(f"{key!r} is set, and so is a key above it: leave one of the two")
+        if last in here:
+            raise ValueError(f"{key!r} is set twice: leave one of the two")
+        here[last] = copy.deepcopy(value)
+    return nested
+
+
+def load_model(path: Path, model: type[ModelT], *, data: Mapping[str, Any] | None = None) -> ModelT:
+    """Validate a YAML file as a pydantic model.
+
+    Args:
+        path: the file; it names the place of a problem.
+        model: class to build.
+        data: what to validate instead of the file's content, e.g. after merging.
+
+    Raises:
+        ValueError: one line with file, line, key path, expected and got; a close match for an unknown key.
+    """
+    if data is not None:
+        return _build(model, dict(data), path, {})
+    file = read_yaml(path)
+    return _build(model, file.data, path, file.lines)
+
+
+def load_scene(name_or_path: str | Path, overrides: Mapping[str, Any] | None = None) -> PressScene:
+    """A scene by name (`fvsight-press/hard`) or from one's own YAML file (`mine.yaml`, `mine.yaml/hard`).
+
+    The chosen entry of the file's `variations` is merged over its other keys and added to the scene's id. An empty
+    variation is the scene itself under a second name, so it keeps the id.
+
+    Args:
+        name_or_path: the scene.
+        overrides: values to set on top, by dotted key: `{"pose.reseat_mm": 4}`.
+
+    Raises:
+        ValueError: unknown scene or variation (with the closest names), or a value that the scene refuses.
+    """
+    path, variation = _locate("scene", str(name_or_path))
+    file = read_yaml(path)
+    data = {key: value for key, value in file.data.items() if key != VARIATIONS}
+    lines = dict(file.lines)
+    if variation:
+        variations = _variations(file)
+        if variation not in variations:
+            raise unknown(f"variation of {path.stem}", variation, variations)
+        data = deep_merge(data, variations[variation])
+        lines |= {at[2:]: line for at, line in file.lines.items() if at[:2] == (VARIATIONS, variation) and at[2:]}
+        if variations[variation]:
+            data["id"] = f"{data.get('id', path.stem)}/{variation}"
+    if overrides:
+        data = deep_merge(data, from_dotted(overrides))
+        lines |= {tuple(key.split(".")): 0 for key in overrides}  # not written in the file
+    from sensors.scene import PressScene
+
+    return _build(PressScene, data, path, lines)
+
+
+def load_suite(name_or_path: str | Path) -> Suite:
+    """A suite by name (`quick`) or from one's own YAML file.
+
+    Raises:
+        ValueError: unknown suite (with the closest names), or a value that it refuses.
+    """
+    path, variation = _locate("suite", str(name_or_path))
+    if variation:
+        raise ValueError(f"{path}: a suite has no variations, got {variation!r} behind its name")
+    from vtbench.run.suite import Suite
+
+    return load_model(path, Suite)
+
+
+def scene_names() -> list[str]:
+    """Every scene that comes with vtbench, each followed by its variations."""
+    names = []
+    for name, path in _files("scene").items():
+        names += [name, *(f"{name}/{key}" for key, chosen in _variations(read_yaml(path)).items() if chosen)]
+    return names
+
+
+def suite_names() -> list[str]:
+    """Every suite that comes with vtbench."""
+    return list(_files("suite"))
+
+
+def variation_names(path: Path) -> list[str]:
+    """Names under `variations` in a scene file, in the file's order."""
+    return list(_variations(read_yaml(path)))
+
+
+def _build(model: type[ModelT], data: dict[str, Any], path: Path, lines: Mapping[KeyPath, int]) -> ModelT:
+    import pydantic
+
+    from vtbench.validation import one_line
+
+    try:
+        return model.model_validate(data)
+    except pydantic.ValidationError as error:
+        raise ValueError(one_line(error, model, data, str(path), lines)) from None
+
+
+def _files(kind: str) -> dict[str, Path]:
+    folder = configs_dir() / f"{kind}s"
+    paths = sorted(folder.rglob("*.yaml"))
+    return {path.relative_to(folder).with_suffix("").as_posix(): path for path in paths}
+
+
+def _locate(kind: str, name: str) -> tuple[Path, str]:
+    """File of a configuration and the variation asked for (empty: none), from its name or path."""
+    own = _OWN_FILE.fullmatch(name)
+    if own:
+        return Path(own[1]).expanduser(), own[2] or ""
+    files = _files(kind)
+    if name in files:
+        return files[name], ""
+    base, _, variation = name.rpartition("/")
+    if base in files and variation:
+        return files[base], variation
+    known = scene_names() if kind == "scene" else list(files)
+    raise unknown(kind, name, known, f"vtbench list {kind}s")
+
+
+def _variations(file: YamlFile) -> dict[str, dict[str, Any]]:
+    found = file.data.get(VARIATIONS) or {}
+    where = f"{file.path}:{file.lines.get((VARIATIONS,), 1)}: {VARIATIONS}"
+    if not isinstance(found, dict):
+        raise ValueError(f"{where}: expected a mapping of names to changed keys, got {found!r}")
+    for name, changes in found.items():
+        if not isinstance(name, str) or "/" in name:
+            raise ValueError(f"{where}: expected a name without '/', got {name!r}")
+        if not isinstance(changes, dict | type(None)):
+            raise ValueError(f"{where}.{name}: expected a mapping of changed keys, got {changes!r}")
+    return {name: changes or {} for name, changes in found.items()}
