@@ -76,13 +76,13 @@ def write_dataset(
     make_folder(out)
     fields = tuple(name for name in TRUTH_UNITS if name in truth)
     if simulate is None:
-        import sensors
+        from sensors import press
 
-        simulate = sensors.simulate
+        simulate = press.simulate
     if describe is None:
-        import sensors
+        from sensors.describe import describe as describe_sensor
 
-        describe = sensors.describe
+        describe = describe_sensor
     with one_thread():
         first = simulate(scene, 0, seed, fields)
     plan = Plan(
