@@ -1,0 +1,57 @@
+"""Scores taken again from the predictions on disk; no model runs."""
+
+from __future__ import annotations
+
+import time
+from itertools import groupby
+from pathlib import Path
+
+from leaderboard.record import Record, read_predictions, read_records, write_record
+from vtbench.run.folder import read_suite
+from vtbench.run.records import scored
+from vtbench.run.sources import source_path
+from vtbench.run.summary import RunSummary
+from vtbench.tasks import TASKS
+from vtbench.tasks.base import Features, NotPossibleError
+
+
+class _NoFeatures:
+    """Stands in for the feature cache: a score needs none."""
+
+    def cached(self, identity: object, n: int, compute: object) -> Features:
+        raise NotPossibleError("scoring reads no features")
+
+    def us_per_sample(self, identity: object) -> None:
+        return None
+
+
+def rescore(run_dir: Path | str) -> RunSummary:
+    """Score every prediction file of a run against the truth in its dataset and rewrite the records.
+
+    Raises:
+        ValueError: no run there, predictions missing or broken, a dataset that changed since; one line.
+    """
+    started = time.perf_counter()
+    run_dir = Path(run_dir)
+    suite = read_suite(run_dir)
+    records = sorted(read_records(run_dir), key=_samples)
+    result: list[Record] = []
+    done = 0
+    for (task_id, _, dataset), group in groupby(records, key=_samples):
+        of_group = list(group)
+        ok = [record for record in of_group if record.status.state == "ok"]
+        result += [record for record in of_group if record.status.state != "ok"]
+        if not ok:
+            continue
+        data = TASKS.get(task_id).load(source_path(suite, run_dir, task_id, dataset), _NoFeatures(), suite.backbone)
+        for record in ok:
+            metrics, law = scored(record.identity.params, read_predictions(run_dir, record.key), data)
+            again = record.model_copy(update={"metrics": metrics, "verdict": law})
+            write_record(run_dir, again)
+            result.append(again)
+            done += 1
+    return RunSummary.of(run_dir, result, done, time.perf_counter() - started)
+
+
+def _samples(record: Record) -> tuple[str, str, str]:
+    return record.identity.task, record.identity.variant, record.identity.dataset

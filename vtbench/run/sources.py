@@ -1,0 +1,86 @@
+"""Where the samples of each task and variant come from; simulated datasets are written here when they are not there."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+from vtbench.run.cells import Source
+from vtbench.run.suite import DatasetSpec, Suite
+from vtbench.tasks import TASKS
+
+
+def dataset_path(out: Path, spec: DatasetSpec) -> Path:
+    """Folder of a suite's dataset: below the run's, or the user's own."""
+    return Path(spec.path).expanduser() if spec.path is not None else out / "datasets" / spec.id
+
+
+def prepare_datasets(suite: Suite, out: Path, jobs: int, progress: bool) -> None:
+    """Simulate what is missing of the datasets that the suite's entries use; finished ones are not touched.
+
+    Raises:
+        ValueError: a scene that does not load, or a dataset of another plan in the folder.
+    """
+    from vtbench.data.meta import read_meta
+
+    used = {
+        dataset or variant
+        for entry in suite.entries
+        if TASKS.get(entry.task).reads == "presses"
+        for variant, dataset in entry.variants.items()
+    }
+    for spec in suite.datasets:
+        path = dataset_path(out, spec)
+        if spec.id not in used:
+            continue
+        if spec.scene is None or (path / "dataset.json").is_file():
+            read_meta(path)
+            continue
+        from vtbench.config import load_scene
+        from vtbench.data import write_dataset
+
+        scene = load_scene(spec.scene, spec.set)
+        write_dataset(path, scene, samples=spec.samples, seed=spec.seed, jobs=jobs, truth=spec.truth, progress=progress)
+
+
+def find_sources(suite: Suite, out: Path) -> dict[tuple[str, str], Source]:
+    """Source of every (task, variant); one that is missing says why. Reads no sample."""
+    from vtbench.data.meta import read_meta
+
+    specs = {spec.id: spec for spec in suite.datasets}
+    found = {}
+    for entry in suite.entries:
+        task = TASKS.get(entry.task)
+        for variant, dataset in entry.variants.items():
+            if task.reads == "presses":
+                spec = specs[dataset or variant]
+                meta = read_meta(dataset_path(out, spec))
+                kind = task.kind if meta.kind == "simulated" else "real"
+                found[task.id, variant] = Source(spec.id, meta.hash, kind)
+            else:
+                found[task.id, variant] = _public(task.reads)
+    return found
+
+
+def source_path(suite: Suite, out: Path, task_id: str, dataset: str) -> Path:
+    """Folder from which a task loads the dataset of that name."""
+    task = TASKS.get(task_id)
+    if task.reads == "presses":
+        specs: Mapping[str, DatasetSpec] = {spec.id: spec for spec in suite.datasets}
+        return dataset_path(out, specs[dataset])
+    from vtbench.data import data_root
+
+    return data_root(task.reads)
+
+
+def _public(name: str) -> Source:
+    """Public recordings: hashed by their manifest of checksums, so that nothing is read."""
+    from vtbench.data.public import data_root, public_set
+
+    digest = hashlib.sha256(public_set(name).manifest.read_bytes()).hexdigest()
+    try:
+        data_root(name)
+    except ValueError as error:
+        return Source(name, digest, "real", missing=str(error))
+    return Source(name, digest, "real")

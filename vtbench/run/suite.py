@@ -1,0 +1,150 @@
+"""What a suite file may say: datasets, entries of the grid, and methods of one's own."""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, JsonValue, field_validator, model_validator
+
+from vtbench.registry import unknown
+from vtbench.run.methods import METHODS
+from vtbench.tasks import TASKS
+
+DEFAULT_BACKBONE = "efficientnet-lite0"
+_ID = r"^[a-z0-9][a-z0-9_.-]*$"
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class DatasetSpec(_Part):
+    """Presses to simulate, or a folder that holds a dataset.
+
+    Attributes:
+        id: name of the dataset; entries find it as the variant of that name.
+        scene: scene to simulate, such as `fvsight-press/hard`.
+        path: folder of a dataset instead, relative to the current folder.
+        samples: number of presses, the scene's full protocol by default.
+        seed: run seed.
+        truth: ground-truth fields to keep.
+        set: values laid over the scene, by dotted key.
+    """
+
+    id: str = Field(pattern=_ID)
+    scene: str | None = None
+    path: str | None = None
+    samples: int | None = Field(None, ge=1)
+    seed: int = Field(0, ge=0)
+    truth: tuple[str, ...] = ()
+    set: dict[str, JsonValue] = {}
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.scene is None) == (self.path is None):
+            raise ValueError(f"dataset {self.id!r}: expected a scene or a path, one of the two")
+        if self.path is not None and (self.samples, self.seed, self.truth, self.set) != (None, 0, (), {}):
+            raise ValueError(f"dataset {self.id!r}: samples, seed, truth and set belong to a scene, not to a path")
+        return self
+
+
+class Entry(_Part):
+    """One task's part of the grid: every variant x split x modality x method, and what stands beside it.
+
+    Attributes:
+        task: task id.
+        variants: protocols, each on the dataset of the same id, or a mapping of protocol to dataset id.
+        splits: names of splits; those that the variant has, by default.
+        modalities: names of feeds; all of the task by default.
+        methods: ids of registered methods or of the suite's own.
+        probes: methods that are fed the probes (true: all of `methods`).
+        upper_lines: methods that are fed the upper lines.
+    """
+
+    task: str
+    variants: dict[str, str | None]
+    splits: tuple[str, ...] | None = None
+    modalities: tuple[str, ...] | None = None
+    methods: tuple[str, ...] = Field(min_length=1)
+    probes: tuple[str, ...] | bool = False
+    upper_lines: tuple[str, ...] | bool = False
+
+    @field_validator("variants", mode="before")
+    @classmethod
+    def _by_name(cls, value: Any) -> Any:
+        """A list of variants means datasets of the same ids."""
+        return dict.fromkeys(value) if isinstance(value, list | tuple) else value
+
+    @model_validator(mode="after")
+    def _names_exist(self) -> Self:
+        task = TASKS.get(self.task)
+        for variant in self.variants:
+            if variant not in task.variants:
+                raise unknown(f"variant of {task.id}", variant, task.variants)
+        known = {name: None for variant in self.variants for name in task.variants[variant].splits}
+        for split in self.splits or ():
+            if split not in known:
+                raise unknown(f"split of {task.id}", split, known)
+        for modality in self.modalities or ():
+            if modality not in task.modalities:
+                raise unknown(f"modality of {task.id}", modality, task.modalities)
+        return self
+
+    def beside(self, what: tuple[str, ...] | bool) -> tuple[str, ...]:
+        """Methods of a `probes` or `upper_lines` key."""
+        if isinstance(what, bool):
+            return self.methods if what else ()
+        return what
+
+
+class OwnMethod(_Part):
+    """A scikit-learn classifier by import path, with parameters, and choices made on training folds."""
+
+    estimator: str
+    params: dict[str, JsonValue] = {}
+    choose: dict[str, tuple[JsonValue, ...]] = {}
+
+    @field_validator("choose")
+    @classmethod
+    def _something_to_choose(cls, value: dict[str, tuple[JsonValue, ...]]) -> dict[str, tuple[JsonValue, ...]]:
+        for name, values in value.items():
+            if not values:
+                raise ValueError(f"{name}: expected at least one value to choose from")
+        return value
+
+
+class Suite(_Part):
+    """A benchmark to run: datasets, and the entries of the grid.
+
+    Attributes:
+        seed: draws random splits and shuffled labels.
+        timeout_s: a cell that takes longer is stopped and recorded as such.
+    """
+
+    id: str = Field(pattern=_ID)
+    title: str
+    seed: int = Field(0, ge=0)
+    backbone: str = DEFAULT_BACKBONE
+    timeout_s: float = Field(1800.0, gt=0)
+    datasets: tuple[DatasetSpec, ...] = ()
+    methods: dict[str, OwnMethod] = {}
+    entries: tuple[Entry, ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _names_exist(self) -> Self:
+        ids = [dataset.id for dataset in self.datasets]
+        if len(set(ids)) != len(ids):
+            raise ValueError(f"datasets: an id is given twice among {', '.join(ids)}")
+        for name in self.methods:
+            if name in METHODS:
+                raise ValueError(f"methods: {name!r} is the id of a built-in method, choose another")
+        known = [*METHODS.ids(), *self.methods]
+        for entry in self.entries:
+            for name in (*entry.methods, *entry.beside(entry.probes), *entry.beside(entry.upper_lines)):
+                if name not in known:
+                    raise unknown("method", name, known, METHODS.see)
+            if TASKS.get(entry.task).reads == "presses":
+                for variant, dataset in entry.variants.items():
+                    if (dataset or variant) not in ids:
+                        raise unknown(f"dataset of {entry.task}, variant {variant}:", dataset or variant, ids)
+        return self

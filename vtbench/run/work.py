@@ -1,0 +1,41 @@
+"""Cells + samples -> what a worker needs, or why a cell is not possible on these samples."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from vtbench.run.cells import Cell
+from vtbench.run.evaluate import Work
+from vtbench.tasks.base import NotPossibleError, Split, TaskData
+
+
+def works_of(cells: Sequence[Cell], data: TaskData) -> tuple[list[Work], dict[str, str]]:
+    """Work of each cell that the data allow, and by key the reason for each that they do not allow."""
+    works: list[Work] = []
+    impossible: dict[str, str] = {}
+    splits: dict[str, Split] = {}
+    for cell in cells:
+        try:
+            name = cell.identity.split
+            if name not in splits:
+                splits[name] = cell.task.variants[cell.identity.variant].splits[name](data, cell.identity.seed)
+            blocks = {block.name: data.block(block.name) for block in cell.feed.blocks}
+        except NotPossibleError as error:
+            impossible[cell.key] = str(error)
+            continue
+        works.append(
+            Work(
+                key=cell.key,
+                method=cell.method,
+                feed=cell.feed,
+                split=splits[name],
+                samples="|".join((*cell.group, cell.identity.dataset_hash)),
+                blocks=blocks,
+                labels=data.labels,
+                ids=data.ids,
+                n_classes=len(data.classes),
+                seed=cell.identity.seed,
+                timeout_s=cell.timeout_s,
+            )
+        )
+    return works, impossible

@@ -1,0 +1,168 @@
+"""What tasks on presses share: samples of a dataset on disk, their feature blocks, their protocols."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vtbench.tasks.base import Block, Factor, FeatureCache, Features, Feed, TaskData, Variant
+from vtbench.tasks.splits import held_out, random_draws
+
+FRAME = Block("image", components=(16, 32, 64), from_frames=True)
+FORCE = Block("force")
+TRUTH_SIDE = 32
+"""Side to which a ground-truth grid is averaged; finer than the 20 mm pitch of a taxel by far."""
+
+MODALITIES = {
+    "force": Feed((FORCE,)),
+    "image": Feed((FRAME,)),
+    "fused": Feed((FRAME, FORCE), weights="chosen"),
+    "fused-equal": Feed((FRAME, FORCE)),
+}
+PROBES = {
+    "load-centroid": Feed((Block("load-centroid"),)),
+    "total-force": Feed((Block("total-force"),)),
+    "rest-frame": Feed((Block("rest-frame", components=FRAME.components, from_frames=True),)),
+    "shuffled-labels": Feed((FRAME, FORCE), shuffle_labels=True),
+}
+UPPER_LINES = {
+    "true-displacement": Feed((Block("true-displacement", components=FRAME.components),), needs_truth="displacement"),
+}
+
+
+def variants(test_fraction: float) -> dict[str, Variant]:
+    """Protocols of an object task whose random draws test `test_fraction` of the presses of an object."""
+    first_unit = random_draws(test_fraction=test_fraction, within_first="unit")
+    any_unit = random_draws(test_fraction=test_fraction, strata=("unit",))
+    unseen_unit = held_out("unit")
+    poses = ("label", "pose_x_mm", "pose_y_mm", "pose_deg")
+    return {
+        "paper": Variant(
+            "a pose of its own for each object, re-seating error only; random draws within one unit",
+            {"random": first_unit, "held-out-unit": unseen_unit},
+        ),
+        "default": Variant(
+            "centred objects, several units, sessions interleaved over the objects",
+            {"random": any_unit, "held-out-unit": unseen_unit},
+        ),
+        "hard": Variant(
+            "a held-out unit and a pose that no training press had",
+            {"held-out-unit": held_out("unit", differs=poses)},
+        ),
+        "no-variation": Variant(
+            "the same press again and again",
+            {"random": first_unit},
+            laws={"force": "perfect", "image": "perfect", "fused": "perfect", "rest-frame": "chance"},
+        ),
+        "own": Variant(
+            "your own recordings: random draws, and each unit or session held out where they name it",
+            {"random": any_unit, "held-out-unit": unseen_unit, "held-out-session": held_out("session")},
+        ),
+    }
+
+
+def load_presses(path: Path, cache: FeatureCache, backbone: str, *, press: Literal["deep", "any"]) -> TaskData:
+    """Samples of a dataset of presses; frames and forces are read when a block is asked for.
+
+    Args:
+        path: dataset folder.
+        cache: keeps the frames' features.
+        backbone: name of the network that turns frames into features.
+        press: `deep` leaves shallow presses out.
+    """
+    from vtbench.data import Dataset
+
+    dataset = Dataset.open(path)
+    known = [
+        name
+        for name in ("unit", "session", "press", "pose_x_mm", "pose_y_mm", "pose_deg")
+        if name in dataset.meta.columns
+    ]
+    table = dataset.columns(["id", "label", *known])
+    factors: dict[str, Factor] = {name: table[name].to_numpy() for name in known}
+    labels = table["label"].to_numpy(np.int64)
+    factors["label"] = labels
+    if "unit" in factors and "session" in factors:
+        factors["session"] = np.array(
+            [f"{unit}.{session}" for unit, session in zip(factors["unit"], factors["session"], strict=True)]
+        )
+
+    columns = {"image": "image", "rest-frame": "image_rest"}
+
+    def identity(column: str) -> dict[str, str]:
+        return {"dataset": dataset.hash, "column": column, **backbone_identity(backbone)}
+
+    def frames(column: str) -> Features:
+        return cache.cached(identity(column), dataset.n, partial(frame_features, path, column, backbone))
+
+    def feature_us(block: str) -> float | None:
+        return cache.us_per_sample(identity(columns[block])) if block in columns else None
+
+    sources: dict[str, Callable[[], Features]] = {
+        "force": dataset.force,
+        "image": partial(frames, columns["image"]),
+        "load-centroid": lambda: load_centroid(dataset.force()),
+        "total-force": lambda: dataset.force().sum(1, keepdims=True),
+    }
+    if "image_rest" in dataset.meta.columns:
+        sources["rest-frame"] = partial(frames, columns["rest-frame"])
+    if "displacement" in dataset.meta.truth:
+        sources["true-displacement"] = lambda: averaged(dataset.truth("displacement"), TRUTH_SIDE)
+    data = TaskData(
+        ids=table["id"].to_numpy(np.str_),
+        labels=labels,
+        classes=tuple(dataset.classes),
+        factors=factors,
+        rows=np.arange(dataset.n),
+        sources=sources,
+        feature_us=feature_us,
+    )
+    if press == "deep" and "press" in factors:
+        return data.take(factors["press"] == "deep")
+    return data
+
+
+def backbone_identity(name: str) -> dict[str, str]:
+    """What decides a backbone's features: its name and the SHA-256 of its weights."""
+    from fusion.features import get_backbone
+
+    return {"backbone": name, "weights": str(get_backbone(name).weights_sha256)}
+
+
+def frame_features(path: Path, column: str, backbone: str, rows: NDArray[np.int64]) -> Features:
+    """Backbone features (rows, columns) float32 of the frames in `column`."""
+    from fusion.features import get_backbone
+    from vtbench.data import Dataset
+
+    images = Dataset.open(path, verify=False).images(rows, column=column)
+    return np.asarray(get_backbone(backbone).extract(images), np.float32)
+
+
+def load_centroid(force: Features) -> Features:
+    """Centroid (n, 2) of the taxel forces (n, taxels), in taxel pitches from the corner of a square array.
+
+    Readings below zero count as zero; a press that no taxel feels has its centroid in the middle.
+    """
+    side = round(force.shape[1] ** 0.5)
+    if side * side == force.shape[1]:
+        y, x = np.divmod(np.arange(force.shape[1]), side)
+    else:
+        y, x = np.zeros(force.shape[1]), np.arange(force.shape[1])
+    load = np.maximum(force, 0).astype(np.float64)
+    load[load.sum(1) == 0] = 1.0
+    centroid: Features = ((load @ np.stack([x, y], 1)) / load.sum(1, keepdims=True)).astype(np.float32)
+    return centroid
+
+
+def averaged(grids: NDArray[np.generic], side: int) -> Features:
+    """Grids (n, rows, columns) averaged over cells to at most `side` x `side`, as rows (n, side * side)."""
+    n, rows, columns = grids.shape
+    by_row, by_column = max(1, rows // side), max(1, columns // side)
+    cut = grids[:, : rows // by_row * by_row, : columns // by_column * by_column].astype(np.float32)
+    blocks = cut.reshape(n, rows // by_row, by_row, columns // by_column, by_column)
+    return np.asarray(blocks.mean((2, 4)).reshape(n, -1), np.float32)
