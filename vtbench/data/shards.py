@@ -119,8 +119,12 @@ def _run(work: Callable[[int], ShardEntry], todo: list[int], jobs: int) -> Itera
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Numerical libraries on one thread, so that `jobs` processes use `jobs` cores."""
+    """Numerical libraries on one thread: `jobs` processes use `jobs` cores, and sums always have one order.
+
+    With more threads BLAS adds in another order, and the last bits of a recording differ.
+    """
     import cv2
+    import scipy.linalg  # noqa: F401  only a library that is loaded can be limited
     from threadpoolctl import threadpool_limits
 
     before = cv2.getNumThreads()

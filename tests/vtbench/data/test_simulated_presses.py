@@ -1,11 +1,16 @@
 """The sensors' own recordings through the writer and back."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
 from sensors import PressScene, objects, simulate
 from sensors.describe import describe
 from vtbench.data import Dataset, check_dataset, write_dataset
+from vtbench.data.shards import one_thread
 
 TRUTH = ("displacement", "pressure", "contact")
 
@@ -21,7 +26,8 @@ def test_a_simulated_press_comes_back_unchanged(tmp_path, scene):
     dataset = Dataset.open(out)
     assert dataset.meta.sensor == describe(scene)
     assert dataset.meta.scene == scene.model_dump(mode="json")
-    recording = simulate(scene, 2, 7, TRUTH)
+    with one_thread():
+        recording = simulate(scene, 2, 7, TRUTH)
     np.testing.assert_array_equal(dataset.images([2])[0], recording.image)
     np.testing.assert_array_equal(dataset.images([2], "image_rest")[0], recording.image_rest)
     np.testing.assert_array_equal(dataset.force([2])[0], recording.force)
@@ -42,3 +48,17 @@ def test_presses_have_the_same_bytes_for_one_and_two_jobs(tmp_path, scene):
     ]
     first, second = ({path.name: path.read_bytes() for path in folder.iterdir()} for folder in folders)
     assert first == second
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("threads", ["1", "2", "4"])
+def test_the_threads_that_the_environment_allows_do_not_change_the_bytes(tmp_path, scene, threads):
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    code = (
+        "from pathlib import Path; from sensors import PressScene; from vtbench.data import write_dataset; "
+        f"scene = PressScene.model_validate_json({scene.model_dump_json()!r}); "
+        f"write_dataset({str(tmp_path / 'child')!r}, scene, samples=4, seed=7)"
+    )
+    subprocess.run([sys.executable, "-c", code], env={**os.environ, **dict.fromkeys(names, threads)}, check=True)
+    here = write_dataset(tmp_path / "here", scene, samples=4, seed=7)
+    assert Dataset.open(tmp_path / "child").hash == Dataset.open(here).hash
