@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from sensors.describe import describe
+    from sensors.sensor_card import describe
     from sensors.fvsight import FVSightParameters, FVSightUnit
     from sensors.press import TRUTH_FIELDS, simulate
     from sensors.recording import Recording
@@ -28,7 +28,7 @@ _HOME = {
     "FVSightUnit": "fvsight",
     "PressScene": "scene",
     "Recording": "recording",
-    "describe": "describe",
+    "describe": "sensor_card",
     "simulate": "press",
 }
 

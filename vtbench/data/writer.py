@@ -80,7 +80,7 @@ def write_dataset(
 
         simulate = press.simulate
     if describe is None:
-        from sensors.describe import describe as describe_sensor
+        from sensors.sensor_card import describe as describe_sensor
 
         describe = describe_sensor
     with one_thread():

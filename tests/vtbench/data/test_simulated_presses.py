@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sensors import PressScene, objects, simulate
-from sensors.describe import describe
+from sensors.sensor_card import describe
 from vtbench.data import Dataset, check_dataset, write_dataset
 from vtbench.data.shards import one_thread
 
