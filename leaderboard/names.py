@@ -1,0 +1,58 @@
+"""Titles and order of the ids that the board knows; an id that it does not know is shown as it is, after the others."""
+
+from __future__ import annotations
+
+import re
+
+METHODS = {
+    "ksc": "KSC",
+    "jksc": "JKSC",
+    "jksc-independent": "JKSC, independent",
+    "knn": "kNN",
+    "wknn": "weighted kNN",
+    "ipca-wknn": "incremental PCA + weighted kNN",
+    "svm": "SVM",
+}
+MODALITIES = {
+    "force": "force",
+    "image": "image",
+    "fused": "force + image",
+    "fused-equal": "force + image, equal weights",
+    "spectrum": "spectrum",
+    "coefficients": "Fourier coefficients",
+    "load-centroid": "load centroid only",
+    "total-force": "total force only",
+    "rest-frame": "frame without contact",
+    "mean-levels": "mean levels only",
+    "proximity": "proximity channels only",
+    "shuffled-labels": "shuffled labels",
+    "true-displacement": "true displacement field",
+}
+SPLITS = {
+    "random": "random split",
+    "held-out-unit": "held-out unit",
+    "held-out-setting": "held-out grip setting",
+    "held-out-session": "held-out session",
+}
+VARIANTS = ("paper", "default", "hard", "public", "own", "no-variation")
+ROLES = ("method", "upper-line", "probe", "law")
+
+Key = tuple[int, tuple[int | float, str], str]
+
+
+def title(kind: dict[str, str], name: str) -> str:
+    """Return the title of an id in METHODS, MODALITIES or SPLITS, or the id itself."""
+    return kind.get(name, name)
+
+
+def order(known: dict[str, str] | tuple[str, ...], name: str) -> Key:
+    """Return a sort key: known ids in their order, then the rest by the number in them, then by name."""
+    names = tuple(known)
+    place = names.index(name) if name in names else len(names)
+    return place, natural(name), name
+
+
+def natural(name: str) -> tuple[int | float, str]:
+    """Return the first number in a name with what stands before it, so that 2 mm comes before 10 mm."""
+    found = re.search(r"\d+(\.\d+)?", name)
+    return (float(found.group()), name[: found.start()]) if found else (-1, name)
