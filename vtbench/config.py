@@ -136,9 +136,10 @@ def suite_names() -> list[str]:
     return list(_files("suite"))
 
 
-def variation_names(path: Path) -> list[str]:
-    """Names under `variations` in a scene file, in the file's order."""
-    return list(_variations(read_yaml(path)))
+def variation_names(name_or_path: str | Path) -> list[str]:
+    """Names under `variations` of a scene, in the file's order; none of a scene that is a variation itself."""
+    path, variation = _locate("scene", str(name_or_path))
+    return [] if variation else list(_variations(read_yaml(path)))
 
 
 def _build(model: type[ModelT], data: dict[str, Any], path: Path, lines: Mapping[KeyPath, int]) -> ModelT:

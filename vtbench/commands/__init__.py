@@ -1,0 +1,20 @@
+"""The commands of `vtbench`, one a module.
+
+Each module has `add(commands)`, which declares the command, and does its work in a function that imports what it
+needs when it runs: the door itself stays light.
+"""
+
+from vtbench.commands import (
+    board,
+    bring,
+    check,
+    env,
+    frame_cost,
+    generate,
+    listing,
+    objects,
+    run,
+    show,
+)
+
+MODULES = (listing, objects, check, generate, bring, show, run, board, frame_cost, env)
