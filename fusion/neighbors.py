@@ -22,8 +22,8 @@ class WeightedKNN(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     ----------
     n_neighbors : neighbours that vote; all samples where there are fewer.
     novelty_threshold : W; a sample is of a new class when the sum of every known class is below W. None: never.
-    novel_label : what `predict` answers for a new class; "auto" is -1 where the labels are numbers and
-        "unknown" where they are strings. It must not be a label of the training set.
+    novel_label : what `predict` answers for a new class; "auto" is -1 where the labels are numbers (one below
+        the smallest where that is taken) and "unknown" where they are strings. It must not be a known label.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class WeightedKNN(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     def _choose_novel_label(self, classes: NDArray[Any]) -> Any:
         if not isinstance(self.novel_label, str) or self.novel_label != "auto":
             return self.novel_label
-        return "unknown" if classes.dtype.kind in "OUS" else -1
+        return "unknown" if classes.dtype.kind in "OUS" else min(-1, classes.min() - 1)
 
     def _class_sums(self, X: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Sums of exp(nearest - d) per class (q, n_classes) and the nearest distance (q,).

@@ -4,9 +4,12 @@ import pytest
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
 from fusion import JKSC, KSC, WeightedKNN
+from fusion.features import FourierBasis, ModalityPCA, ResampledSpectrum
 
 
-@parametrize_with_checks([KSC(), JKSC(coupling="independent"), WeightedKNN()])
+@parametrize_with_checks(
+    [KSC(), JKSC(coupling="independent"), WeightedKNN(), ModalityPCA(), FourierBasis(), ResampledSpectrum()]
+)
 def test_estimator_passes(estimator, check):
     check(estimator)
 
@@ -19,6 +22,8 @@ def test_estimator_passes(estimator, check):
         KSC(solver="lasso"),
         JKSC(),
         WeightedKNN(novelty_threshold=0.0),
+        ModalityPCA(n_components=3),
+        FourierBasis(3, period=20.0),
     ]
 )
 def test_estimator_passes_in_other_settings(estimator, check):

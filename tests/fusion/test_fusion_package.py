@@ -6,14 +6,16 @@ import sys
 import pytest
 
 import fusion
+import fusion.features
 
 
-def test_every_public_name_resolves():
-    for name in fusion.__all__:
-        assert getattr(fusion, name).__doc__
-        assert name in dir(fusion)
+@pytest.mark.parametrize("package", [fusion, fusion.features])
+def test_every_public_name_resolves(package):
+    for name in package.__all__:
+        assert getattr(package, name).__doc__
+        assert name in dir(package)
     with pytest.raises(AttributeError, match="no attribute 'KSB'"):
-        _ = fusion.KSB
+        _ = package.KSB
 
 
 def test_importing_the_package_loads_nothing_heavy_and_no_other_part():

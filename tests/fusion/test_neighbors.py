@@ -64,6 +64,7 @@ def test_the_novel_label_follows_the_kind_of_the_labels_or_the_choice():
     strict = {"novelty_threshold": 0.5}
     assert WeightedKNN(**strict).fit(X, y).predict(far).tolist() == [-1]
     assert WeightedKNN(**strict).fit(X, names[y]).predict(far).tolist() == ["unknown"]
+    assert WeightedKNN(**strict).fit(X, y - 1).predict(far).tolist() == [-2]
     assert WeightedKNN(**strict, novel_label=99).fit(X, y).predict(far).tolist() == [99]
     with pytest.raises(ValueError, match="is one of the classes"):
         WeightedKNN(**strict, novel_label=3).fit(X, y)
