@@ -132,7 +132,7 @@ def _params(
     if sizes:
         params["sizes"] = sizes
     if len(feed.blocks) > 1:
-        params["weights"] = list(WEIGHT_CHOICES) if feed.weights == "chosen" else "equal"
+        params["weights"] = [list(pair) for pair in WEIGHT_CHOICES] if feed.weights == "chosen" else "equal"
     if any(block.from_frames for block in feed.blocks):
         params.update(backbone)
     if role == "law":

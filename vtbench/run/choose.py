@@ -14,8 +14,8 @@ from vtbench.run.methods.base import Classifier, Method
 from vtbench.run.reduce import Floats, Reducer
 from vtbench.tasks.base import Factor, Feed
 
-WEIGHT_CHOICES = (1.0, 0.25, 0.5, 2.0, 4.0)
-"""Weights of every block after the first, against 1 of the first; the default first."""
+WEIGHT_CHOICES = ((1.0, 1.0), (1.0, 0.25), (1.0, 0.5), (1.0, 2.0), (1.0, 4.0), (1.0, 0.0), (0.0, 1.0))
+"""Weights of the first block and of every other, equal weights first; at the ends one side is left out."""
 INNER_FOLDS = 3
 
 Rows = NDArray[np.int64]
@@ -159,5 +159,5 @@ def _params(method: Method, feed: Feed, best: Setting) -> list[Setting]:
 def _weights(method: Method, feed: Feed, best: Setting) -> list[Setting]:
     if feed.weights == "equal":
         return [best]
-    others = [block.name for block in feed.blocks[1:]]
-    return [replace(best, weights={**best.weights, **dict.fromkeys(others, w)}) for w in WEIGHT_CHOICES]
+    first, *others = [block.name for block in feed.blocks]
+    return [replace(best, weights={first: a, **dict.fromkeys(others, b)}) for a, b in WEIGHT_CHOICES]

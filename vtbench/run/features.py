@@ -68,7 +68,7 @@ class DiskFeatures:
         from joblib import Parallel, delayed, parallel_config
 
         chunks = [np.arange(start, min(start + CHUNK, n)) for start in range(0, n, CHUNK)]
-        label = " ".join(["features", *(identity[key] for key in ("backbone", "column") if key in identity)])
+        label = " ".join(["features", *(identity[key] for key in ("backbone", "frames") if key in identity)])
         parts: list[Features] = []
         seconds: list[float] = []
         backend = {"backend": "loky", "inner_max_num_threads": 1} if self.jobs > 1 else {"backend": "sequential"}

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,11 @@ from numpy.typing import NDArray
 from vtbench.tasks.base import Block, Factor, FeatureCache, Features, Feed, TaskData, Variant
 from vtbench.tasks.splits import held_out, random_draws
 
+if TYPE_CHECKING:
+    from fusion.features.backbone import Backbone
+
 FRAME = Block("image", components=(16, 32, 64), from_frames=True)
+CHANGE = Block("image-change", components=FRAME.components, from_frames=True)
 FORCE = Block("force")
 TRUTH_SIDE = 32
 """Side to which a ground-truth grid is averaged; finer than the 20 mm pitch of a taxel by far."""
@@ -21,8 +25,10 @@ TRUTH_SIDE = 32
 MODALITIES = {
     "force": Feed((FORCE,)),
     "image": Feed((FRAME,)),
+    "image-change": Feed((CHANGE,)),
     "fused": Feed((FRAME, FORCE), weights="chosen"),
     "fused-equal": Feed((FRAME, FORCE)),
+    "fused-change": Feed((CHANGE, FORCE), weights="chosen"),
 }
 PROBES = {
     "load-centroid": Feed((Block("load-centroid"),)),
@@ -66,12 +72,12 @@ def variants(test_fraction: float) -> dict[str, Variant]:
     }
 
 
-def load_presses(path: Path, cache: FeatureCache, backbone: str, *, press: Literal["deep", "any"]) -> TaskData:
+def load_presses(path: Path, features: FeatureCache, backbone: str, *, press: Literal["deep", "any"]) -> TaskData:
     """Samples of a dataset of presses; frames and forces are read when a block is asked for.
 
     Args:
         path: dataset folder.
-        cache: keeps the frames' features.
+        features: keeps the frames' features.
         backbone: name of the network that turns frames into features.
         press: `deep` leaves shallow presses out.
     """
@@ -92,25 +98,23 @@ def load_presses(path: Path, cache: FeatureCache, backbone: str, *, press: Liter
             [f"{unit}.{session}" for unit, session in zip(factors["unit"], factors["session"], strict=True)]
         )
 
-    columns = {"image": "image", "rest-frame": "image_rest"}
+    frames = ["image", *(["image-change", "rest-frame"] if "image_rest" in dataset.meta.columns else [])]
 
-    def identity(column: str) -> dict[str, str]:
-        return {"dataset": dataset.hash, "column": column, **backbone_identity(backbone)}
+    def identity(block: str) -> dict[str, str]:
+        return {"dataset": dataset.hash, "frames": block, **backbone_identity(backbone)}
 
-    def frames(column: str) -> Features:
-        return cache.cached(identity(column), dataset.n, partial(frame_features, path, column, backbone))
+    def frame_block(block: str) -> Features:
+        return features.cached(identity(block), dataset.n, partial(frame_features, path, block, backbone))
 
     def feature_us(block: str) -> float | None:
-        return cache.us_per_sample(identity(columns[block])) if block in columns else None
+        return features.us_per_sample(identity(block)) if block in frames else None
 
     sources: dict[str, Callable[[], Features]] = {
         "force": dataset.force,
-        "image": partial(frames, columns["image"]),
         "load-centroid": lambda: load_centroid(dataset.force()),
         "total-force": lambda: dataset.force().sum(1, keepdims=True),
     }
-    if "image_rest" in dataset.meta.columns:
-        sources["rest-frame"] = partial(frames, columns["rest-frame"])
+    sources |= {block: partial(frame_block, block) for block in frames}
     if "displacement" in dataset.meta.truth:
         sources["true-displacement"] = lambda: averaged(dataset.truth("displacement"), TRUTH_SIDE)
     data = TaskData(
@@ -129,18 +133,34 @@ def load_presses(path: Path, cache: FeatureCache, backbone: str, *, press: Liter
 
 def backbone_identity(name: str) -> dict[str, str]:
     """What decides a backbone's features: its name and the SHA-256 of its weights."""
-    from fusion.features import get_backbone
-
-    return {"backbone": name, "weights": str(get_backbone(name).weights_sha256)}
+    return {"backbone": name, "weights": _backbone(name).weights_sha256}
 
 
-def frame_features(path: Path, column: str, backbone: str, rows: NDArray[np.int64]) -> Features:
-    """Backbone features (rows, columns) float32 of the frames in `column`."""
-    from fusion.features import get_backbone
+def frame_features(path: Path, block: str, backbone: str, rows: NDArray[np.int64]) -> Features:
+    """Backbone features (rows, columns) float32 of frames, of rest frames, or of the change between the two."""
     from vtbench.data import Dataset
 
-    images = Dataset.open(path, verify=False).images(rows, column=column)
-    return np.asarray(get_backbone(backbone).extract(images), np.float32)
+    dataset = Dataset.open(path, verify=False)
+    if block == "rest-frame":
+        images = dataset.images(rows, column="image_rest")
+    else:
+        images = dataset.images(rows)
+        if block == "image-change":
+            images = change(images, dataset.images(rows, column="image_rest"))
+    return _backbone(backbone).extract(images)
+
+
+def change(frames: NDArray[np.uint8], rest: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Frames minus rest frames about mid-grey, uint8: what the press changed, without the cloth and light of a unit."""
+    return np.clip(frames.astype(np.int16) - rest + 128, 0, 255).astype(np.uint8)
+
+
+@cache
+def _backbone(name: str) -> Backbone:
+    """The network, loaded once a process."""
+    from fusion.features import get_backbone
+
+    return get_backbone(name)
 
 
 def load_centroid(force: Features) -> Features:

@@ -20,6 +20,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vtbench.tasks.base import Block, FeatureCache, Features, Feed, Task, TaskData, Variant
 from vtbench.tasks.splits import held_out, random_draws
@@ -58,11 +59,12 @@ def load(path: Path, cache: FeatureCache, backbone: str) -> TaskData:
     )
 
 
-def harmonics(series: list[np.ndarray]) -> Features:
-    """Coefficients (n, harmonics * 2 * taxels) of z-scored series: by harmonic, then cosine and sine, then taxel."""
+def harmonics(series: list[NDArray[np.float64]]) -> Features:
+    """Coefficients (n, harmonics * 2 * taxels) of z-scored series: by harmonic, then sine and cosine, then taxel."""
     from fusion.features import FourierBasis
 
-    return FourierBasis(n_harmonics=N_HARMONICS).fit_transform(series)
+    fitted = FourierBasis(n_harmonics=N_HARMONICS).fit(series).transform(series)
+    return np.asarray(fitted, np.float32)
 
 
 def amplitudes(coefficients: Features) -> Features:
@@ -71,7 +73,7 @@ def amplitudes(coefficients: Features) -> Features:
     return np.hypot(pairs[:, :, 0], pairs[:, :, 1]).reshape(len(coefficients), -1)
 
 
-def _stack(rows: list[np.ndarray]) -> Features:
+def _stack(rows: list[NDArray[np.float64]]) -> Features:
     return np.stack(rows).astype(np.float32)
 
 
