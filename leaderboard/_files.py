@@ -37,11 +37,11 @@ def write_record(run_dir: Path, record: Record, predictions: Mapping[str, NDArra
     arrays = {name: _plain(name, array) for name, array in (predictions or {}).items()}
     folder.mkdir(parents=True, exist_ok=True)
     if arrays:
-        _write_atomic(folder / PREDICTIONS_FILE, arrays)
+        write_atomic(folder / PREDICTIONS_FILE, arrays)
     elif record.status.state != "ok":
         (folder / PREDICTIONS_FILE).unlink(missing_ok=True)
     text = json.dumps(record.model_dump(mode="json"), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    _write_atomic(folder / RECORD_FILE, text.encode())
+    write_atomic(folder / RECORD_FILE, text.encode())
     return folder
 
 
@@ -108,7 +108,8 @@ def _plain(name: str, array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-def _write_atomic(path: Path, content: bytes | Arrays) -> None:
+def write_atomic(path: Path, content: bytes | Arrays) -> None:
+    """Write a file under a temporary name, flush it and rename it: readers see the old file or the new one."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         with open(temporary, "wb") as file:

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from leaderboard.frame import Row, latest, records_of
-from leaderboard.names import MODALITIES, SPLITS, title
+from leaderboard.names import METHODS, MODALITIES, SPLITS, title
 
 PROBE_MARGIN = 5.0
 """A probe this close to the best method, in percentage points, or with an overlapping interval, is a warning."""
@@ -22,6 +22,7 @@ PROBE_COLUMNS = [
     "value",
     "low",
     "high",
+    "unit",
     "state",
     "reason",
     "key",
@@ -77,10 +78,11 @@ def _near(probe: Row, best: Row, margin: float) -> bool:
 
 def probe_warning(row: Row) -> str:
     """Return the sentence that stands wherever the score of a warned protocol is shown."""
+    unit = row["unit"]
     return (
         f"{row['task']}, {row['variant']}, {title(SPLITS, row['split'])}: the probe "
-        f"“{title(MODALITIES, row['modality'])}” ({row['method']}) reaches {row['value']:.1f} %, the best method "
-        f"{row['best_value']:.1f} %. What the probe sees may explain the score."
+        f"“{title(MODALITIES, row['modality'])}” ({title(METHODS, row['method'])}) reaches {row['value']:.1f} {unit}, "
+        f"the best method {row['best_value']:.1f} {unit}. What the probe sees may explain the score."
     )
 
 

@@ -9,7 +9,20 @@ import pandas as pd
 from leaderboard.frame import latest
 
 CURVE = ["task", "protocol_version", "kind", "split"]
-POSE_COLUMNS = [*CURVE, "variant", "jitter_mm", "role", "modality", "method", "value", "low", "high", "key"]
+POSE_COLUMNS = [
+    *CURVE,
+    "variant",
+    "jitter_mm",
+    "role",
+    "modality",
+    "method",
+    "value",
+    "low",
+    "high",
+    "unit",
+    "state",
+    "key",
+]
 SPEED_COLUMNS = [
     "task",
     "protocol_version",

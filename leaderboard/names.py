@@ -17,7 +17,7 @@ MODALITIES = {
     "force": "force",
     "image": "image",
     "fused": "force + image",
-    "fused-equal": "force + image, equal weights",
+    "fused-equal": "force + image, equal",
     "spectrum": "spectrum",
     "coefficients": "Fourier coefficients",
     "load-centroid": "load centroid only",

@@ -1,0 +1,40 @@
+"""The board in a terminal: what a run prints at its end."""
+
+from __future__ import annotations
+
+import textwrap
+
+from leaderboard.contents import BoardTables
+from leaderboard.sections import laws_view, pose_view, probe_views, result_view
+from leaderboard.text import console_table, printable
+from leaderboard.views import View
+
+WIDTH = 110
+
+
+def format_console(tables: BoardTables) -> str:
+    """Return compact tables and notices as text; the page has the notes, plots and records."""
+    parts = [_titled(result_view(table, tables.machines), table.kind) for table in tables.papers]
+    for group in tables.groups:
+        if len(group.curve):
+            parts.append(_titled(pose_view(group.curve), group.kind, f"{group.task}, accuracy by unknown shift"))
+        parts += [
+            _titled(result_view(table, tables.machines), table.kind, f"{table.task}, {table.variant}")
+            for table in group.tables
+        ]
+    for view in probe_views(tables.probes):
+        parts.append(_titled(view, "what should not suffice", f"Probes of {view.title}"))
+    if len(tables.laws):
+        parts.append(_titled(laws_view(tables.laws), "what must hold"))
+    if tables.notices:
+        parts.append("\n".join(_wrapped(f"{notice.kind}: {notice.text}") for notice in tables.notices))
+    return "\n\n".join(parts) + "\n"
+
+
+def _titled(view: View, what: str, title: str = "") -> str:
+    head = f"{printable(title or view.title)} ({what})"
+    return f"{head}\n\n{console_table(view, WIDTH)}"
+
+
+def _wrapped(line: str) -> str:
+    return textwrap.fill(printable(line), WIDTH, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)

@@ -1,0 +1,259 @@
+"""Tables -> views: which columns a reader sees, in which words, and what stands in the notes below."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import pandas as pd
+
+from leaderboard.frame import Row, records_of
+from leaderboard.names import METHODS, MODALITIES, ROLES, SPLITS, VARIANTS, order, title
+from leaderboard.paper import ASSUMPTION
+from leaderboard.tables import ResultTable
+from leaderboard.views import (
+    NOT_RUN,
+    Cell,
+    Column,
+    View,
+    breaks_of,
+    brief,
+    microseconds,
+    number,
+    paled,
+    score_cell,
+    span,
+)
+
+Machines = Mapping[str, str]
+"""Fingerprint -> the letter that stands for it."""
+
+
+def result_view(table: ResultTable, machines: Machines) -> View:
+    """Return the view of a task's table or of one of the paper's."""
+    rows = records_of(table.frame)
+    paper = bool(table.paper_table)
+    features = any(row["feature_us"] is not None for row in rows)
+    mixed = len(table.fingerprints) > 1
+    columns = [Column("Fed with"), Column("Method")]
+    columns += [Column("Paper, %", True, "as published, with the Wilson interval at an assumed n")] if paper else []
+    mine = "ours, " if paper else ""
+    columns += [Column(f"{mine}{title(SPLITS, s)}, {table.unit}"[:60].capitalize(), True) for s in table.splits]
+    speed_hint = "of two machines, so not sortable" if mixed else "the method alone, one thread"
+    columns += [Column("µs a sample", True, speed_hint, not mixed)]
+    columns += [Column("µs, features", True, "what turns a frame into features", not mixed)] if features else []
+    return View(
+        id=f"t-{table.task}-{table.variant}-{table.dataset_hash[:8]}".replace("/", "-"),
+        title=_result_title(table),
+        columns=tuple(columns),
+        rows=paled([_result_row(row, table, machines if mixed else {}, features) for row in rows], 1),
+        notes=_result_notes(table, rows, machines),
+        header=1,
+        breaks=breaks_of([(row["role"], row["modality"]) for row in rows]),
+        kind=table.kind,
+    )
+
+
+def _result_title(table: ResultTable) -> str:
+    if table.paper_table:
+        return f"Table {table.paper_table} of the paper beside ours: {table.press} presses"
+    return f"Protocol {table.variant}"
+
+
+def _result_row(row: Row, table: ResultTable, machines: Machines, features: bool) -> tuple[Cell, ...]:
+    upper = row["role"] == "upper-line"
+    cells = [
+        Cell(title(MODALITIES, row["modality"]), hint="an upper line: no sensor gives this" if upper else ""),
+        Cell(title(METHODS, row["method"]), "upper line" if upper else ""),
+    ]
+    if table.paper_table:
+        reported = row["paper"]
+        cells.append(
+            Cell(
+                number(reported, 2),
+                span(row["paper_low"], row["paper_high"]),
+                reported,
+                hint=row["paper_note"] or "",
+                tone="" if reported is not None else "muted",
+                mark="*" if row["paper_note"] else "",
+            )
+        )
+    cells += [score_cell(row, f"{split}_", table.unit) for split in table.splits]
+    letter = machines.get(row["fingerprint"] or "", "")
+    costs = [row["predict_us"], *([row["feature_us"]] if features else [])]
+    cells += [Cell(microseconds(us), letter if us is not None else "", us, tone="" if us else "muted") for us in costs]
+    return tuple(cells)
+
+
+def _result_notes(table: ResultTable, rows: list[Row], machines: Machines) -> tuple[str, ...]:
+    notes = []
+    if table.paper_table:
+        notes.append(ASSUMPTION)
+        notes += sorted({f"* {row['paper_note']}." for row in rows if row["paper_note"]})
+        if any(row["modality"] == "fused-equal" for row in rows):
+            notes.append(
+                "The paper concatenates without weights; its fused figures stand beside our equal weights "
+                "and beside weights chosen on training folds."
+            )
+    notes += [note for split in table.splits for note in _interval_note(split, rows)]
+    notes += _reasons(table, rows)
+    if table.superseded:
+        notes.append(
+            f"{table.superseded} earlier records of these cells differ in parameters, seed or machine; "
+            "the latest is shown, all are in records.csv."
+        )
+    if len(table.fingerprints) > 1:
+        letters = ", ".join(machines[f] for f in table.fingerprints)
+        notes.append(f"Speeds were taken on different machines ({letters}) and do not compare.")
+    notes.append(f"Dataset {table.dataset}, content {table.dataset_hash[:12]}; protocol {table.protocol_version}.")
+    return tuple(notes)
+
+
+def _interval_note(split: str, rows: list[Row]) -> list[str]:
+    """Return how a split's intervals were made, the commonest way first, with the number of rows where ways differ."""
+    ways = Counter(row[f"{split}_interval"] for row in rows if row[f"{split}_interval"])
+    if not ways:
+        return []
+    counts = sorted({int(row[f"{split}_groups"]) for row in rows if row[f"{split}_interval"]})
+    groups = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+    said = [
+        way if len(ways) == 1 else f"{way} ({count} row{'s' if count > 1 else ''})" for way, count in ways.most_common()
+    ]
+    return [f"95 % intervals, {title(SPLITS, split)}, {groups} groups: {'; '.join(said)}."]
+
+
+def _reasons(table: ResultTable, rows: list[Row]) -> list[str]:
+    counts: dict[tuple[str, str], int] = {}
+    for row in rows:
+        for split in table.splits:
+            state, reason = row[f"{split}_state"], row[f"{split}_reason"]
+            if state not in (None, "ok"):
+                counts[state, reason] = counts.get((state, reason), 0) + 1
+    return [f"{state.capitalize()} ({count}): {brief(reason)}" for (state, reason), count in counts.items()]
+
+
+def pose_view(curve: pd.DataFrame) -> View:
+    """Return the figures behind a pose curve: a row for each split, feed and method, a column for each shift."""
+    lines: dict[tuple[str, str, str, str], dict[float, Row]] = {}
+    for row in sorted(records_of(curve), key=_curve_order):
+        name = (row["split"], row["role"], row["modality"], row["method"])
+        lines.setdefault(name, {})[row["jitter_mm"]] = row
+    shifts = sorted({shift for line in lines.values() for shift in line})
+    rows = [
+        (
+            Cell(title(SPLITS, split)),
+            Cell(title(MODALITIES, modality)),
+            Cell(title(METHODS, method), "upper line" if role == "upper-line" else ""),
+            *(score_cell(line.get(shift, {})) for shift in shifts),
+        )
+        for (split, role, modality, method), line in lines.items()
+    ]
+    return View(
+        id="pose",
+        title="Accuracy by unknown shift",
+        columns=(
+            *(Column(name) for name in ("Split", "Fed with", "Method")),
+            *(Column(f"{shift:g} mm, %", True) for shift in shifts),
+        ),
+        rows=paled(rows, 2),
+        header=2,
+        breaks=breaks_of([name[:3] for name in lines]),
+    )
+
+
+def _curve_order(row: Row) -> tuple[object, ...]:
+    return (
+        order(SPLITS, row["split"]),
+        ROLES.index(row["role"]),
+        order(MODALITIES, row["modality"]),
+        order(METHODS, row["method"]),
+    )
+
+
+def probe_views(probes: pd.DataFrame) -> list[View]:
+    """Return a table a task: a row for each protocol, each probe's strongest method, and the best method beside."""
+    return [_probe_view(str(task), records_of(part)) for task, part in probes.groupby("task", sort=False)]
+
+
+def _probe_view(task: str, rows: list[Row]) -> View:
+    names = sorted({row["modality"] for row in rows}, key=lambda name: order(MODALITIES, name))
+    protocols: dict[tuple[Any, ...], dict[str, Row]] = {}
+    for row in sorted(rows, key=lambda row: (order(VARIANTS, row["variant"]), order(SPLITS, row["split"]))):
+        where = tuple(row[name] for name in ("variant", "split", "kind", "dataset_hash", "protocol_version"))
+        line = protocols.setdefault(where, {})
+        rival = line.setdefault(row["modality"], row)
+        if row["value"] is not None and (rival["value"] is None or row["value"] > rival["value"]):
+            line[row["modality"]] = row
+    unit = next((row["unit"] for row in rows if row["unit"]), "%")
+    lines = [
+        (
+            Cell(variant),
+            Cell(title(SPLITS, split)),
+            *(_probe_cell(line.get(name, {})) for name in names),
+            _best_cell(next(iter(line.values()))),
+        )
+        for (variant, split, *_), line in protocols.items()
+    ]
+    return View(
+        id="probes",
+        title=task,
+        columns=(
+            Column("Variant"),
+            Column("Split"),
+            *(Column(f"{title(MODALITIES, name).capitalize()}, {unit}", True) for name in names),
+            Column(f"Best method, {unit}", True),
+        ),
+        rows=paled(lines, 1),
+        header=1,
+    )
+
+
+def _probe_cell(row: Row) -> Cell:
+    cell = score_cell(row, unit=row.get("unit") or "%")
+    hint = f"{title(METHODS, row['method'])}: {cell.hint}" if row else cell.hint
+    if row.get("warning"):
+        return replace(cell, text=f"⚠ {cell.text}", hint=f"comes near the best method; {hint}", tone="bad")
+    return replace(cell, hint=hint)
+
+
+def _best_cell(row: Row) -> Cell:
+    if row["best_value"] is None:
+        return Cell(NOT_RUN, tone="muted")
+    who = f"{title(METHODS, row['best_method'])}, {title(MODALITIES, row['best_modality'])}"
+    return Cell(number(row["best_value"]), span(row["best_low"], row["best_high"]), row["best_value"], hint=who)
+
+
+def laws_view(laws: pd.DataFrame) -> View:
+    """Return, for each law and what the methods are fed, how many methods hold and what was seen."""
+    grouped: dict[tuple[Any, ...], list[Row]] = {}
+    for row in records_of(laws):
+        where = tuple(row[name] for name in ("task", "variant", "dataset_hash", "split", "modality"))
+        grouped.setdefault(where, []).append(row)
+    names = ("Law", "Task", "Split", "Fed with", "Holds", "Expected", "Seen")
+    return View(
+        id="laws",
+        title="Laws",
+        columns=tuple(Column(name) for name in names),
+        rows=paled([_law_row(rows) for rows in grouped.values()], 3),
+    )
+
+
+def _law_row(rows: list[Row]) -> tuple[Cell, ...]:
+    first = next((row for row in rows if row["law"]), rows[0])
+    judged = [row for row in rows if row["passed"] is not None]
+    broken = [row for row in judged if not row["passed"]]
+    count = f"{len(judged) - len(broken)} of {len(rows)} methods"
+    whose = ", ".join(title(METHODS, row["method"]) for row in broken)
+    seen = list(dict.fromkeys(row["observed"] for row in judged))
+    whole = len(judged) == len(rows) and not broken
+    return (
+        Cell(first["law"] or "not judged"),
+        Cell(first["task"]),
+        Cell(title(SPLITS, first["split"])),
+        Cell(title(MODALITIES, first["modality"])),
+        Cell(count, f"broken by {whose}" if broken else "", tone="good" if whole else "bad"),
+        Cell(first["expected"] or ""),
+        Cell(", ".join(seen[:6]) + (" …" if len(seen) > 6 else "")),
+    )
