@@ -6,6 +6,9 @@ import importlib
 from typing import Any
 
 _MODULES = {
+    "board": ["BoardFiles", "build_board"],
+    "console": ["format_console"],
+    "contents": ["BoardTables", "board_tables"],
     "record": [
         "Identity",
         "Metric",

@@ -231,11 +231,12 @@ def laws_view(laws: pd.DataFrame) -> View:
     for row in records_of(laws):
         where = tuple(row[name] for name in ("task", "variant", "dataset_hash", "split", "modality"))
         grouped.setdefault(where, []).append(row)
-    names = ("Law", "Task", "Split", "Fed with", "Holds", "Expected", "Seen")
+    names = ("Law", "Task", "Split", "Fed with", "Holds for", "Expected", "Seen")
     return View(
         id="laws",
         title="Laws",
-        columns=tuple(Column(name) for name in names),
+        columns=tuple(Column(name, wrap=name in ("Law", "Holds for", "Seen")) for name in names),
+        header=3,
         rows=paled([_law_row(rows) for rows in grouped.values()], 3),
     )
 

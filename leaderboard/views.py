@@ -13,12 +13,13 @@ NOT_RUN = "–"
 
 @dataclass(frozen=True)
 class Column:
-    """A heading; `hint` explains it, `sortable` is False where an order would mislead."""
+    """A heading; `hint` explains it, `sortable` is False where an order would mislead, `wrap` lets long text break."""
 
     title: str
     numeric: bool = False
     hint: str = ""
     sortable: bool = True
+    wrap: bool = False
 
 
 @dataclass(frozen=True)
