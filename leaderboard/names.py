@@ -16,8 +16,10 @@ METHODS = {
 MODALITIES = {
     "force": "force",
     "image": "image",
+    "image-change": "image change",
     "fused": "force + image",
     "fused-equal": "force + image, equal",
+    "fused-change": "force + image change",
     "spectrum": "spectrum",
     "coefficients": "Fourier coefficients",
     "load-centroid": "load centroid only",

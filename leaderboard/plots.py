@@ -60,7 +60,7 @@ def speed_figure(speed: pd.DataFrame, name: str) -> Figure | None:
     if len(rows) < 2:
         return None
     x_range = svg.decades([row["predict_us"] for row in rows])
-    top = max(max(row["error"], row["error_high"] or 0) for row in rows) or 1.0
+    top = svg.nice_top(max(max(row["error"], row["error_high"] or 0) for row in rows) or 1.0)
     many = len({row["fingerprint"] for row in rows}) > 1
     strips = []
     for (split, fingerprint), strip in _grouped(rows, "split", "fingerprint"):

@@ -34,6 +34,12 @@ class Scale:
         return [k * step for k in range(first, floor(self.high / step + 1e-9) + 1)]
 
 
+def nice_top(value: float) -> float:
+    """Return the end of an axis from zero that holds `value` and falls on a tick."""
+    step = nice_step(value / 6)
+    return ceil(value / step - 1e-9) * step
+
+
 def nice_step(least: float) -> float:
     """Return the smallest of 1, 2, 5 times a power of ten that is not below `least`."""
     power = 10.0 ** floor(log10(least))

@@ -82,6 +82,6 @@ def build_record(
     )
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def make_record() -> RecordFactory:
     return build_record
