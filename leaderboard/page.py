@@ -132,7 +132,7 @@ def _detail(record: Record, place: int, times: int) -> Detail:
         ("role", who.role),
         ("recordings", who.kind),
         ("dataset", f"{who.dataset}, {who.dataset_hash}"),
-        ("parameters", json.dumps(who.params, ensure_ascii=False, indent=1) if who.params else "none"),
+        ("parameters", "\n".join(f"{name}: {_plain(value)}" for name, value in who.params.items()) or "none"),
         ("seed", str(who.seed)),
         ("started, finished", f"{where.started:%Y-%m-%d %H:%M:%S %Z}, {where.finished:%H:%M:%S}"),
         ("version", f"{where.version} {where.commit[:12]}".strip()),
