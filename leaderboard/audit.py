@@ -79,10 +79,12 @@ def _near(probe: Row, best: Row, margin: float) -> bool:
 def probe_warning(row: Row) -> str:
     """Return the sentence that stands wherever the score of a warned protocol is shown."""
     unit = row["unit"]
+    close = unit == "%" and row["value"] >= row["best_value"] - row["margin"]
     return (
         f"{row['task']}, {row['variant']}, {title(SPLITS, row['split'])}: the probe "
         f"“{title(MODALITIES, row['modality'])}” ({title(METHODS, row['method'])}) reaches {row['value']:.1f} {unit}, "
-        f"the best method {row['best_value']:.1f} {unit}. What the probe sees may explain the score."
+        f"the best method {row['best_value']:.1f} {unit}{'' if close else ', with overlapping intervals'}. "
+        "What the probe sees may explain the score."
     )
 
 

@@ -60,10 +60,10 @@ def speed_figure(speed: pd.DataFrame, name: str) -> Figure | None:
     if len(rows) < 2:
         return None
     x_range = svg.decades([row["predict_us"] for row in rows])
-    top = svg.nice_top(max(max(row["error"], row["error_high"] or 0) for row in rows) or 1.0)
     many = len({row["fingerprint"] for row in rows}) > 1
     strips = []
     for (split, fingerprint), strip in _grouped(rows, "split", "fingerprint"):
+        top = svg.nice_top(max(max(row["error"], row["error_high"] or 0) for row in strip) or 1.0)
         panels = [_speed_panel(part, modality, x_range, top) for (modality,), part in _grouped(strip, "modality")]
         where = f", machine {fingerprint[:12]}" if many else ""
         strips.append(Strip(title(SPLITS, split) + where, tuple(panels)))
@@ -73,7 +73,7 @@ def speed_figure(speed: pd.DataFrame, name: str) -> Figure | None:
         id=f"speed-{name}",
         title="Error against speed",
         caption="Lower left is better. Time is the method alone, a sample on one thread, on a logarithmic axis; "
-        f"whiskers are 95 % intervals.{beside}",
+        f"whiskers are 95 % intervals; panels of a row share their axes.{beside}",
         strips=tuple(strips),
         legend=_legend(rows),
     )

@@ -22,8 +22,8 @@ FloatArray = NDArray[np.float64]
 WILSON = "Wilson"
 BOOTSTRAP = "bootstrap over groups, expanded percentile"
 STUDENT = "Student t over groups"
-WILSON_EFFECTIVE = "Wilson on the effective sample size (few groups differ)"
-WILSON_GROUPS = "Wilson on the number of groups (all groups alike)"
+WILSON_EFFECTIVE = "Wilson on the effective sample size (too few groups differ to resample)"
+WILSON_GROUPS = "Wilson on the number of groups (all groups perfect, or all zero)"
 BONETT_PRICE = "Bonett-Price on the number of groups (few groups differ)"
 
 FEW_GROUPS = 10  # below this a bootstrap has too few distinct resamples; Student t takes over
@@ -95,8 +95,9 @@ def group_interval(correct: ArrayLike, groups: ArrayLike, level: float = 0.95, s
 
     `correct` (n,) holds scores in 0..1 (bool or float), `groups` (n,) a label each (any sortable dtype).
     Ten groups or more: percentile bootstrap over groups, widened for small counts (expanded percentile).
-    Fewer: Student t over groups. Where fewer than five groups differ from perfect (or from zero), Wilson on the
-    effective sample size; where all groups are alike, Wilson on the number of groups, so no interval has zero width.
+    Fewer: Student t over groups. Where fewer than five groups differ from perfect (or from zero), or all are alike,
+    Wilson on the effective sample size; where all are perfect or all zero, or there is one, Wilson on the number of
+    groups. So no interval has zero width.
     With few groups, very unequal groups and a score near 100 % the Student interval covers less than it says.
     ValueError when there is nothing to score, a score is outside 0..1 or not finite, or lengths differ.
     """
@@ -105,11 +106,11 @@ def group_interval(correct: ArrayLike, groups: ArrayLike, level: float = 0.95, s
     g = _grouped(scores, groups)
     p = min(max(g.mean, 0.0), 1.0)
     means = g.means
-    if np.ptp(means) <= 1e-12:
+    differing = min(int((means < 1).sum()), int((means > 0).sum()))
+    if differing == 0 or g.count == 1:
         low, high = wilson(p * g.count, g.count, level)
         return Interval(p, low, high, level, WILSON_GROUPS, len(scores), g.count)
-    differing = min(int((means < 1).sum()), int((means > 0).sum()))
-    if differing < min(FEW_DIFFERING, g.count):
+    if differing < min(FEW_DIFFERING, g.count) or np.ptp(means) <= 1e-12:
         n_effective = _effective_size(g, level)
         low, high = wilson(p * n_effective, n_effective, level)
         method = WILSON_EFFECTIVE
@@ -166,7 +167,8 @@ def _bootstrap_means(g: _Groups, seed: int) -> FloatArray:
 def _effective_size(g: _Groups, level: float) -> float:
     """Return the number of independent trials with this standard error, docked for the groups being few."""
     p = g.mean
-    n = min(p * (1 - p) / g.standard_error**2, float(g.size.sum()))
+    variance, samples = p * (1 - p), float(g.size.sum())
+    n = samples if variance >= samples * g.standard_error**2 else variance / g.standard_error**2
     z, t = float(ndtri(0.5 + level / 2)), float(stdtrit(g.count - 1, 0.5 + level / 2))
     return max(1.0, n * (z / t) ** 2)
 

@@ -110,12 +110,27 @@ def test_unequal_groups_are_centred_on_the_pooled_mean() -> None:
 
 
 @pytest.mark.parametrize("count", [1, 2, 6, 300])
-@pytest.mark.parametrize("value", [0.0, 1.0, 0.5])
-def test_groups_all_alike_get_wilson_on_the_groups(count: int, value: float) -> None:
+@pytest.mark.parametrize("value", [0.0, 1.0])
+def test_perfect_groups_get_wilson_on_the_groups(count: int, value: float) -> None:
     got = group_interval(np.full(count * 4, value), np.repeat(np.arange(count), 4))
     assert got.method == st.WILSON_GROUPS
     np.testing.assert_allclose((got.low, got.high), wilson(value * count, count))
     assert got.high > got.low
+
+
+def test_one_group_tells_almost_nothing() -> None:
+    got = group_interval([0, 1] * 50, np.zeros(100))
+    np.testing.assert_allclose((got.low, got.high), wilson(0.5, 1))
+
+
+@pytest.mark.parametrize("count", [2, 3, 6, 40])
+def test_groups_alike_but_not_perfect_keep_the_noise_of_their_samples(count: int) -> None:
+    """Three units that each score exactly 1/27 must not get a zero width, nor the width of three coin flips."""
+    correct = np.tile(np.arange(270) < 10, count)
+    got = group_interval(correct, np.repeat(np.arange(count), 270))
+    docked = 270 * count * (stats.norm.ppf(0.975) / stats.t.ppf(0.975, count - 1)) ** 2
+    assert got.method == st.WILSON_EFFECTIVE
+    np.testing.assert_allclose((got.low, got.high), wilson(docked / 27, docked))
 
 
 @pytest.mark.parametrize("misses", [1, 2, 4])
