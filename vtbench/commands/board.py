@@ -33,38 +33,37 @@ def run(args: Namespace) -> int:
     """Collect the records and draw."""
     from leaderboard import build_board
 
-    records = collect(args.runs)
-    build_board(records, args.out)
-    files = sorted(path for path in args.out.rglob("*") if path.is_file())
+    records, problems = collect(args.runs)
+    for problem in problems:
+        print(f"vtbench: warning: {problem}", file=sys.stderr)
+    files = build_board(records, args.out, problems=problems)
     if args.json:
-        print_json({"out": args.out, "records": len(records), "files": files})
+        told = {"html": files.html, "markdown": files.markdown, "csv": files.csv, "problems": problems}
+        print_json({"out": args.out, "records": len(records), **told})
         return 0
-    print(f"{args.out}: {count_text(len(records), 'record')}, {count_text(len(files), 'file')}")
-    for path in files:
-        print(f"  {path}")
+    print(f"{args.out}: {count_text(len(records), 'record')}")
+    print(f"page      {files.html}\nMarkdown  {files.markdown}")
+    print(f"CSV       {count_text(len(files.csv), 'table')} in {args.out / 'csv'}")
     return 0
 
 
-def collect(runs: list[Path]) -> list[Record]:
-    """Records of all runs; of two with the same key the one that finished last.
+def collect(runs: list[Path]) -> tuple[list[Record], list[str]]:
+    """Records of all runs, and one line for each that cannot be read.
 
     Raises:
         ValueError: a folder that is no run, or no record in any of them.
     """
     from leaderboard import scan_records
 
-    newest: dict[str, Record] = {}
+    records: list[Record] = []
+    problems: list[str] = []
     for folder in runs:
         if not folder.is_dir():
             raise ValueError(f"{folder}: expected the folder of a run, found nothing there")
-        records, problems = scan_records(folder)
-        for problem in problems:
-            print(f"vtbench: warning: {problem}", file=sys.stderr)
-        for record in records:
-            old = newest.get(record.key)
-            if old is None or old.provenance.finished <= record.provenance.finished:
-                newest[record.key] = record
-    if not newest:
-        places = ", ".join(map(str, runs))
-        raise ValueError(f"{places}: no records to draw; `vtbench run SUITE -o DIR` makes them")
-    return list(newest.values())
+        found = scan_records(folder)
+        records += found[0]
+        problems += found[1]
+    if not records:
+        broken = f"; {problems[0]}" if problems else ""
+        raise ValueError(f"{runs[0]}: no records to draw; `vtbench run SUITE -o DIR` makes them{broken}")
+    return records, problems

@@ -48,7 +48,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
 
 def run(args: Namespace) -> int:
     """Check each path; problems go to standard error."""
-    verdicts = [verdict for path in args.path for verdict in check(path)]
+    verdicts = [verdict for path in args.path for verdict in _check(path)]
     for verdict in verdicts:
         for problem in verdict.problems:
             text = problem if verdict.path in problem else f"{verdict.path}: {problem}"
@@ -63,6 +63,14 @@ def run(args: Namespace) -> int:
             ]
         )
     return BAD_INPUT if any(verdict.problems for verdict in verdicts) else 0
+
+
+def _check(name: str) -> list[Verdict]:
+    """As `check`; what cannot be checked at all is a problem too, and does not hide the verdicts on the rest."""
+    try:
+        return check(name)
+    except ValueError as error:
+        return [Verdict(name, "unknown", "", [str(error)])]
 
 
 def check(name: str) -> list[Verdict]:

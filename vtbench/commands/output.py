@@ -26,6 +26,7 @@ def print_table(columns: Sequence[str], rows: Sequence[Sequence[object]]) -> Non
     """
     cells = [[_text(value) for value in row] for row in rows]
     right = [all(isinstance(value, int | float) for value in column) for column in zip(*rows, strict=True)]
+    right = right or [False] * len(columns)
     print("\n".join(_lines([list(columns), *cells] if columns else cells, right)))
 
 

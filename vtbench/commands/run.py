@@ -6,7 +6,7 @@ from argparse import Namespace, _SubParsersAction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vtbench.commands.output import count_text, print_json, print_table
+from vtbench.commands.output import count_text, print_json
 from vtbench.commands.parser import Parser, add_command, add_jobs, add_json, add_out
 
 if TYPE_CHECKING:
@@ -51,32 +51,36 @@ def add(commands: _SubParsersAction[Parser]) -> None:
 
 
 def run(args: Namespace) -> int:
-    """Run what is missing of the suite."""
+    """Run what is missing of the suite and print its tables."""
     from vtbench.config import load_suite
     from vtbench.run import run_suite
 
     summary = run_suite(load_suite(args.suite), args.out, jobs=args.jobs, fresh=args.fresh, device=args.device)
     if args.json:
         print_json(_summary(summary))
-    else:
-        print("\n".join(summary.lines()))
-        print(f"tables: vtbench board {args.out} -o {args.out / 'board'}")
+        return _code(summary)
+    print(_tables(summary), *summary.lines(), sep="\n")
+    print(f"page: vtbench board {args.out} -o {args.out / 'board'}")
     return _code(summary)
 
 
 def score(args: Namespace) -> int:
-    """Score predictions again and print every score."""
+    """Score predictions again and print the tables."""
     from vtbench.run import rescore
 
     summary = rescore(args.run_dir)
     if args.json:
         print_json(_summary(summary))
         return _code(summary)
-    rows = [_row(record) for record in summary.records]
-    columns = ("task", "variant", "split", "modality", "method", "role", "state", "metric", "value", "low", "high")
-    print_table(columns, [[row[name] for name in columns] for row in rows])
-    print(f"\n{args.run_dir}: {count_text(summary.done, 'cell')} scored again in {summary.seconds:.1f} s")
+    print(_tables(summary))
+    print(f"{args.run_dir}: {count_text(summary.done, 'cell')} scored again in {summary.seconds:.1f} s")
     return _code(summary)
+
+
+def _tables(summary: RunSummary) -> str:
+    from leaderboard import board_tables, format_console
+
+    return format_console(board_tables(summary.records)) if summary.records else ""
 
 
 def _code(summary: RunSummary) -> int:
