@@ -37,10 +37,13 @@ def rate_interval(
 ) -> tuple[float, float, float]:
     """Return (rate, low, high) of the flags (T,) per sample, with a percentile block bootstrap.
 
-    Blocks are 10 windows long. Raises ValueError where fewer than ten of them fit.
+    Blocks are 10 windows long. Without any alarm there is nothing to resample: the upper end is then the rate per
+    block that as many independent blocks would leave unseen. Raises ValueError where fewer than ten of them fit.
     """
     flags: NDArray[np.bool_] = np.asarray(alarms, dtype=np.bool_)
     means = block_means(flags, WINDOWS_PER_BLOCK * window)
+    if not flags.any():
+        return 0.0, 0.0, 1.0 - (1.0 - level) ** (1.0 / len(means))
     drawn = resampled_means(means, draws, np.random.default_rng(seed))
     low, high = np.quantile(drawn, [(1.0 - level) / 2.0, (1.0 + level) / 2.0])
     return float(flags.mean()), float(low), float(high)
