@@ -91,6 +91,16 @@ def test_the_frames_shading_error_against_a_finer_grid_is_small():
     assert np.abs(frames[0] - frames[1]).mean() < 0.5
 
 
+@pytest.mark.parametrize("label", range(0, 27, 4))
+def test_the_solvers_tolerance_hides_below_the_noise(label):
+    unit = fvsight_unit(FVSightParameters(), 0)
+    gap = gap_of(unit, label)
+    usual, tight = unit.press(gap, 5.0), unit.press(gap, 5.0, tolerance=3e-6)
+    frames = [unit.camera.clean(press.surface_modes) for press in (usual, tight)]
+    assert np.abs(frames[0] - frames[1]).max() < 0.1
+    assert np.abs(usual.taxel_load - tight.taxel_load).max() < 0.01
+
+
 def test_unknown_parameters_are_refused():
     with pytest.raises(ValueError, match="tention"):
         FVSightParameters(tention_n_per_m=600)
