@@ -233,15 +233,20 @@ def test_the_environment_prints_and_parses(vtbench):
     assert found["cache"] in text
 
 
-def test_the_nearest_objects_are_pairs_in_order(vtbench, tmp_path):
-    found = json.loads(vtbench("objects", "--nearest", "3", "--json").out)
-    distances = [pair["rms_mm"] for pair in found["nearest"]]
-    assert len(distances) == 3
-    assert distances == sorted(distances)
+def test_the_nearest_objects_are_pairs_in_order(vtbench, monkeypatch, tmp_path):
+    from sensors import objects
+
+    pairs = [("coin-1-euro", "coin-2-euro", 0.25), ("comb", "coin-1-euro", 0.5), ("comb", "fork", 1.0)]
+    monkeypatch.setattr(objects, "nearest_pairs", lambda count: pairs[:count])
+    found = json.loads(vtbench("objects", "--nearest", "2", "--json").out)
+    assert [(pair["object"], pair["like"], pair["rms_mm"]) for pair in found["nearest"]] == pairs[:2]
     of_one = json.loads(vtbench("objects", "coin-1-euro", "--json", "-o", tmp_path / "coin.png").out)
-    assert {pair["object"] for pair in of_one["nearest"]} == {"coin-1-euro"}
+    assert [(pair["object"], pair["like"]) for pair in of_one["nearest"]] == [
+        ("coin-1-euro", "coin-2-euro"),
+        ("coin-1-euro", "comb"),
+    ]
     assert (tmp_path / "coin.png").read_bytes().startswith(b"\x89PNG")
-    assert "coin-1-euro" in vtbench("objects", "coin-1-euro").out
+    assert objects.get("coin-1-euro").description in vtbench("objects", "coin-1-euro").out
 
 
 def test_the_cost_of_a_frame_adds_up(vtbench, monkeypatch):

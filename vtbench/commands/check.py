@@ -7,10 +7,14 @@ from argparse import Namespace, _SubParsersAction
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from vtbench.commands.output import count_text, print_json
 from vtbench.commands.parser import Parser, add_command, add_json
 from vtbench.registry import hint
+
+if TYPE_CHECKING:
+    from vtbench.run.suite import OwnMethod, Suite
 
 BAD_INPUT = 2
 
@@ -153,16 +157,32 @@ def _scene(name: str) -> Verdict:
 
 
 def _suite(name: str) -> Verdict:
-    from vtbench.config import load_scene, load_suite
+    from vtbench.config import load_suite
 
     problems = _problems(load_suite, name)
     if problems:
         return Verdict(name, "suite", "", problems)
     suite = load_suite(name)
+    return Verdict(name, "suite", count_text(len(suite.entries), "task"), suite_problems(suite))
+
+
+def suite_problems(suite: Suite) -> list[str]:
+    """What would stop a suite after work has begun: a scene that does not load, a classifier that cannot be made."""
+    from vtbench.config import load_scene
+
+    problems = []
     for spec in suite.datasets:
         if spec.scene is not None:
             problems += [f"dataset {spec.id}: {problem}" for problem in _problems(load_scene, spec.scene, spec.set)]
-    return Verdict(name, "suite", count_text(len(suite.entries), "task"), problems)
+    for name, own in suite.methods.items():
+        problems += [f"method {name}: {problem}" for problem in _problems(_build_once, name, own)]
+    return problems
+
+
+def _build_once(name: str, own: OwnMethod) -> None:
+    from vtbench.run.methods.external import check_external, external_method
+
+    check_external(external_method(name, own.estimator, own.params, own.choose))
 
 
 def _problems(load: Callable[..., object], *arguments: object) -> list[str]:

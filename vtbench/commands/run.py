@@ -6,6 +6,7 @@ from argparse import Namespace, _SubParsersAction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vtbench.commands.check import suite_problems
 from vtbench.commands.output import count_text, print_json
 from vtbench.commands.parser import Parser, add_command, add_jobs, add_json, add_out
 
@@ -55,7 +56,10 @@ def run(args: Namespace) -> int:
     from vtbench.config import load_suite
     from vtbench.run import run_suite
 
-    summary = run_suite(load_suite(args.suite), args.out, jobs=args.jobs, fresh=args.fresh, device=args.device)
+    suite = load_suite(args.suite)
+    for problem in suite_problems(suite):
+        raise ValueError(f"{args.suite}: {problem}")
+    summary = run_suite(suite, args.out, jobs=args.jobs, fresh=args.fresh, device=args.device)
     if args.json:
         print_json(_summary(summary))
         return _code(summary)
