@@ -215,10 +215,17 @@ class FVSightUnit:
         return (reading * session.gain + session.offset_n).astype(np.float32)
 
     def frame(
-        self, modes: NDArray[np.floating] | None, session: Session, rng: np.random.Generator | None
+        self,
+        modes: NDArray[np.floating] | None,
+        session: Session,
+        rng: np.random.Generator | None,
+        weave: NDArray[np.floating] | None = None,
     ) -> NDArray[np.uint8]:
-        """A frame (rows, columns, 3) uint8 RGB of the surface with sine `modes`; None is the untouched skin."""
-        return self.camera.capture(modes, rng if self.parameters.camera_noise else None, session.light)
+        """A frame (rows, columns, 3) uint8 RGB of the surface with sine `modes`; None is the untouched skin.
+
+        `weave` is what a drag in the plane does to the cloth, by `Camera.dragged_weave`.
+        """
+        return self.camera.capture(modes, rng if self.parameters.camera_noise else None, session.light, weave)
 
 
 @lru_cache(maxsize=4)

@@ -6,6 +6,7 @@ the surface - light, falloff, cloth, vignette - is worked out once per unit.
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from sensors.contact.skin import cosine_basis, sine_basis
 from sensors.optics.canvas import Canvas
+from sensors.optics.dragged_weave import DraggedWeave
 from sensors.optics.lights import LedRing
 
 View = Literal["region", "native_crop", "full"]
@@ -66,6 +68,7 @@ class Camera:
         self._across = tuple(basis.astype(np.float32) for basis in _bases(x_m, size_m, n_modes))
         self._down = tuple(basis.astype(np.float32) for basis in _bases(y_m, size_m, n_modes))
         x, y = np.meshgrid(x_m, y_m)
+        self._cloth = DraggedWeave(canvas, x_m, y_m, copy.deepcopy(rng))
         cloth = canvas.reflectance(x_m, y_m, rng)
         falloff = 1 - parameters.vignette * (x**2 + y**2) / (2 * (size_m / 2) ** 2)
         light = leds.irradiance(x, y)
@@ -97,9 +100,12 @@ class Camera:
         modes: NDArray[np.floating] | None,
         rng: np.random.Generator | None = None,
         gain: NDArray[np.floating] | None = None,
+        weave: NDArray[np.floating] | None = None,
     ) -> NDArray[np.uint8]:
-        """A frame (rows, columns, 3) uint8 RGB; no sensor noise where `rng` is None."""
+        """A frame (rows, columns, 3) uint8 RGB; no sensor noise where `rng` is None, `weave` as by `dragged_weave`."""
         frame = self.clean(modes, gain)
+        if weave is not None:
+            frame = frame * np.asarray(weave, np.float32)
         if rng is not None:
             p = self.parameters
             variance = p.read_noise**2 + p.shot_noise**2 / 255 * frame
@@ -113,6 +119,18 @@ class Camera:
         left = (NATIVE_COLUMNS - NATIVE_ROWS) // 2
         whole[:, left : left + NATIVE_ROWS] = levels
         return whole
+
+    def shift_shape(self, modes: NDArray[np.floating]) -> NDArray[np.float32]:
+        """Values (rows, columns) at the pixels of an in-plane displacement with sine `modes`."""
+        modes = np.asarray(modes, np.float32)
+        return np.asarray(self._down[0] @ modes @ self._across[0].T)
+
+    def dragged_weave(self, shape: NDArray[np.float32], shift_m: tuple[float, float]) -> NDArray[np.float32] | None:
+        """How much brighter each pixel (rows, columns) is once the cloth has moved by `shape` times `shift_m` (x, y).
+
+        None where it has not moved.
+        """
+        return None if shift_m == (0.0, 0.0) else self._cloth.ratio(shape, shift_m)
 
     def _slopes(self, modes: NDArray[np.floating]) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
         sine_x, cosine_x = self._across

@@ -28,6 +28,15 @@ class Canvas:
 
         Warp runs along y, weft along x; `rng` draws each thread's brightness and the phase of the weave.
         """
+        fine = self.weave(x_m, y_m, rng, oversampling)
+        shape = (len(y_m), oversampling, len(x_m), oversampling)
+        pattern = fine.reshape(shape).mean(axis=(1, 3))
+        return (np.asarray(self.colour)[:, None, None] * pattern).astype(np.float32)
+
+    def weave(
+        self, x_m: NDArray[np.float64], y_m: NDArray[np.float64], rng: np.random.Generator, oversampling: int = 4
+    ) -> NDArray[np.float64]:
+        """Brightness of the cloth without its colour at `oversampling` points across each pixel; see `reflectance`."""
         phase = rng.uniform(0, 2 * self.thread_pitch_m, 2)
         fine_x = _subpixels(x_m, oversampling) + phase[0]
         fine_y = _subpixels(y_m, oversampling) + phase[1]
@@ -40,10 +49,7 @@ class Canvas:
         top = 0.5 * (1 + over) * warp[None, :] + 0.5 * (1 - over) * weft[:, None]
         gap = np.abs(np.sin(np.pi * fine_x / self.thread_pitch_m))[None, :] ** 4
         gap = np.maximum(gap, np.abs(np.sin(np.pi * fine_y / self.thread_pitch_m))[:, None] ** 4)
-        fine = top * (1 - self.weave_contrast * gap)
-        shape = (len(y_m), oversampling, len(x_m), oversampling)
-        pattern = fine.reshape(shape).mean(axis=(1, 3))
-        return (np.asarray(self.colour)[:, None, None] * pattern).astype(np.float32)
+        return np.asarray(top * (1 - self.weave_contrast * gap))
 
 
 def _subpixels(centres: NDArray[np.float64], oversampling: int) -> NDArray[np.float64]:
