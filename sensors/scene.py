@@ -67,6 +67,32 @@ class Effects(_Part):
     camera_noise: bool = True
     hysteresis: bool = True
 
+    def on_sensor(self, sensor: FVSightParameters) -> FVSightParameters:
+        """The sensor's parameters with the effects that are off set to nothing."""
+        off: dict[str, Any] = {}
+        if not self.unit_spread:
+            off |= dict.fromkeys(
+                (
+                    "tension_spread",
+                    "taxel_gain_spread",
+                    "unit_gain_spread",
+                    "led_power_spread",
+                    "led_azimuth_spread_deg",
+                    "camera_offset_mm",
+                ),
+                0.0,
+            )
+            off["own_cloth"] = False
+        if not self.session_drift:
+            off |= dict.fromkeys(("session_gain_drift", "session_offset_n", "session_light_drift"), 0.0)
+        if not self.force_noise:
+            off["force_noise_mv"] = 0.0
+        if not self.camera_noise:
+            off["camera_noise"] = False
+        if not self.hysteresis:
+            off["hysteresis"] = False
+        return sensor.model_copy(update=off)
+
 
 class Motion(_Part):
     """The press in time: cosine approach, hold with the arm's ripple, cosine release."""
@@ -125,29 +151,7 @@ class PressScene(_Part):
 
     def effective_sensor(self) -> FVSightParameters:
         """The sensor's parameters with the effects that are off set to nothing."""
-        off: dict[str, Any] = {}
-        if not self.effects.unit_spread:
-            off |= dict.fromkeys(
-                (
-                    "tension_spread",
-                    "taxel_gain_spread",
-                    "unit_gain_spread",
-                    "led_power_spread",
-                    "led_azimuth_spread_deg",
-                    "camera_offset_mm",
-                ),
-                0.0,
-            )
-            off["own_cloth"] = False
-        if not self.effects.session_drift:
-            off |= dict.fromkeys(("session_gain_drift", "session_offset_n", "session_light_drift"), 0.0)
-        if not self.effects.force_noise:
-            off["force_noise_mv"] = 0.0
-        if not self.effects.camera_noise:
-            off["camera_noise"] = False
-        if not self.effects.hysteresis:
-            off["hysteresis"] = False
-        return self.sensor.model_copy(update=off)
+        return self.effects.on_sensor(self.sensor)
 
 
 @dataclass(frozen=True)
