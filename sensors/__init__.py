@@ -11,25 +11,36 @@ if TYPE_CHECKING:
     from sensors.press import TRUTH_FIELDS, simulate
     from sensors.recording import Recording
     from sensors.scene import PressScene
+    from sensors.slide import SLIDE_TRUTH, SlideRecording, SlipScene, draw_slide, simulate_slide
 
 __all__ = [
+    "SLIDE_TRUTH",
     "TRUTH_FIELDS",
     "FVSightParameters",
     "FVSightUnit",
     "PressScene",
     "Recording",
+    "SlideRecording",
+    "SlipScene",
     "describe",
+    "draw_slide",
     "simulate",
+    "simulate_slide",
 ]
 
 _HOME = {
+    "SLIDE_TRUTH": "slide",
     "TRUTH_FIELDS": "press",
     "FVSightParameters": "fvsight",
     "FVSightUnit": "fvsight",
     "PressScene": "scene",
     "Recording": "recording",
+    "SlideRecording": "slide",
+    "SlipScene": "slide",
     "describe": "sensor_card",
+    "draw_slide": "slide",
     "simulate": "press",
+    "simulate_slide": "slide",
 }
 
 

@@ -1,0 +1,64 @@
+"""From true taxel loads and a moving skin to what the trial records: read-back forces and frames."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from sensors.fvsight import FORCE_RATE_HZ, FVSightUnit, Session
+from sensors.slide.membrane import InPlaneSkin
+from sensors.slide.scene import Film
+from sensors.slide.script import Script
+from sensors.slide.track import Track
+
+Array = NDArray[np.float64]
+
+FRAME_RATE_HZ = 30.0
+_PREAMBLE = 32
+"""Samples of loading before the recording starts; the electronics do not depend on their rate."""
+
+
+def late_film(load: Array, film: Film) -> Array:
+    """Loads (t, 16) that reach the taxels: a share of every change arrives late; long at rest before the first."""
+    keep = np.exp(-1 / (film.late_s * FORCE_RATE_HZ))
+    late, _ = lfilter([1 - keep], [1, -keep], load, axis=0, zi=keep * load[:1])
+    return np.asarray(load + film.late_share * (late - load))
+
+
+def read_taxels(
+    unit: FVSightUnit, session: Session, film: Film | None, taxels: Array, gain: Array | None, rng: np.random.Generator
+) -> NDArray[np.float32]:
+    """Read-back forces (t, 16) for true loads (t, 16): late film, warming, electronics.
+
+    The array was loaded to the first sample before the recording starts.
+    """
+    load = np.maximum(taxels, 0)
+    if film is not None:
+        load = late_film(load, film)
+    if gain is not None:
+        load = load * gain
+    before = load[0] * (np.arange(_PREAMBLE) / _PREAMBLE)[:, None]
+    return unit.read(np.concatenate((before, load)), session, rng)[_PREAMBLE:]
+
+
+def take_frames(
+    unit: FVSightUnit,
+    session: Session,
+    track: Track,
+    skin: InPlaneSkin,
+    script: Script,
+    shift: Array,
+    rng: np.random.Generator,
+) -> tuple[Array, NDArray[np.uint8]]:
+    """Times (f,; s) and frames (f, h, w, 3): the deflected skin, its weave dragged along by `shift` (t, 2; m)."""
+    last_s = (len(script.load) - 1) / FORCE_RATE_HZ
+    times = np.arange(int(np.floor(last_s * FRAME_RATE_HZ + 1e-9)) + 1) / FRAME_RATE_HZ
+    drawn = unit.camera.shift_shape(skin.modes * skin.stiffness)
+    pictures = []
+    for time in times:
+        sample = round(time * FORCE_RATE_HZ)
+        modes = track.modes(float(script.travel[sample]), float(script.load[sample]))
+        weave = unit.camera.dragged_weave(drawn, (float(shift[sample, 0]), float(shift[sample, 1])))
+        pictures.append(unit.frame(modes, session, rng, weave))
+    return times, np.stack(pictures)

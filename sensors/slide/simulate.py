@@ -1,0 +1,149 @@
+"""One trial of a slip scene, simulated: contact along the path -> friction -> taxels and frames -> SlideRecording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sensors.fvsight import FORCE_RATE_HZ, FVSightUnit, fvsight_unit
+from sensors.optics.canvas import Canvas
+from sensors.slide.crowns import Crowns
+from sensors.slide.drag import Drag, drag, presliding_distance, skin_patch, slip_states
+from sensors.slide.footprint import Footprint
+from sensors.slide.membrane import in_plane_skin
+from sensors.slide.path import Path
+from sensors.slide.recording import GROSS, STICK, SlideRecording
+from sensors.slide.scene import SlidePlan, SlipScene
+from sensors.slide.script import Script, write_script
+from sensors.slide.sensing import read_taxels, take_frames
+from sensors.slide.shapes import body
+from sensors.slide.track import CELL_M, Placed, Track, lay_track, traction_modes
+
+Array = NDArray[np.float64]
+
+SLIDE_TRUTH = ("taxel_load", "shear_force", "slip_distance", "slip_share", "skin_shift", "pose")
+_RING_DOWN_S = 0.15
+"""After the last motion the skin swings for tens of milliseconds; from then on it rests."""
+
+
+def simulate_slide(
+    scene: SlipScene, index: int, seed: int, truth: tuple[str, ...] = (), frames: bool = False
+) -> SlideRecording:
+    """Trial `index` of a scene; depends on (scene, index, seed) alone, and its forces not on `truth` or `frames`.
+
+    `truth` names histories to keep, of `SLIDE_TRUTH`; `frames` adds the camera's frames at 30 Hz. Raises ValueError for
+    an unknown name, a negative index, or a load that the skin's linear model refuses.
+    """
+    unknown = [name for name in truth if name not in SLIDE_TRUTH]
+    if unknown:
+        raise ValueError(f"unknown truth field {unknown[0]!r}: expected some of {', '.join(SLIDE_TRUTH)}")
+    plan = scene.plan(index)
+    place_rng, script_rng, surface_rng, force_rng, camera_rng = np.random.default_rng([seed, index]).spawn(5)
+    unit = fvsight_unit(scene.effective_sensor(), plan.unit)
+    session = unit.session(np.random.default_rng([seed, plan.unit, plan.session, 1]))
+    placed = _place(scene, plan, unit, place_rng)
+    load_spread, grip_spread = np.clip(place_rng.standard_normal(2), -3, 3)
+    load_n = float(plan.load_n * (1 + scene.conditions.load_spread * load_spread))
+    grip = float(1 + scene.friction.spread * grip_spread)
+
+    start = placed.solve(0.0, load_n)
+    skin = in_plane_skin(unit.grid, unit.skin.film, scene.friction.areal_mass_kg_m2, traction_modes(unit, start))
+    still = lay_track(placed, np.zeros(1), np.full(1, load_n), start)
+    at_rest = skin_patch(scene.friction, unit.skin.film, skin, still.cells, grip)
+    script = write_script(scene, plan, load_n, presliding_distance(at_rest, still.cell_share[0] * load_n), script_rng)
+    track = lay_track(placed, script.travel, script.load, start, frames)
+
+    first, last = _window(script)
+    travel, load = script.travel[first:last], script.load[first:last]
+    crowns = Crowns.draw(track.cells.area, placed.body.crown_contrast, Canvas().thread_pitch_m, surface_rng)
+    smooth = track.cell_load(travel, load)
+    patch = skin_patch(scene.friction, unit.skin.film, skin, track.cells, grip)
+    history = drag(
+        patch, scene.friction, track.cells, placed.path, travel, smooth, crowns if scene.effects.crowns else None
+    )
+
+    # samples before and after the window repeat its ends
+    at = np.clip(np.arange(len(script.load)) - first, 0, last - first - 1)
+    shift = history.skin_shift[at]
+    change = _contact_change(scene, unit, placed.path, track, history, smooth, travel)
+    relative_load = script.load / np.maximum(load[at], 1e-9)
+    taxels = track.taxel_load(_travel_over_skin(placed.path, script, shift), script.load) + (
+        change[at] * relative_load[:, None]
+    )
+    state = slip_states(scene.friction, history.slip_share)[at]
+    state[: first + 1] = state[last:] = STICK
+    onset = np.flatnonzero(state == GROSS)
+    times, pictures = (
+        take_frames(unit, session, track, skin, script, shift, camera_rng) if frames else (np.empty(0), None)
+    )
+    film = scene.film if scene.effects.late_film else None
+    return SlideRecording(
+        force_series=read_taxels(unit, session, film, taxels, script.gain, force_rng),
+        rate_hz=FORCE_RATE_HZ,
+        state=state,
+        onset_sample=int(onset[0]) if len(onset) else None,
+        labels=plan.labels(seed),
+        frames=pictures,
+        frame_time_s=times,
+        truth=_truth(truth, taxels, history, at, placed.path, script),
+    )
+
+
+def _place(scene: SlipScene, plan: SlidePlan, unit: FVSightUnit, rng: np.random.Generator) -> Placed:
+    x, y, turn = rng.uniform(-1, 1, 3)
+    placing = scene.placing
+    tilt = np.deg2rad(placing.tilt_deg) * np.clip(rng.standard_normal(2), -3, 3)
+    path = Path(
+        float(x * placing.offset_mm * 1e-3),
+        float(y * placing.offset_mm * 1e-3),
+        float(np.deg2rad(turn * placing.turn_deg)),
+        float(np.deg2rad(plan.direction_deg)),
+        plan.kind == "rotation",
+    )
+    return Placed(unit, body(plan.object_name), (float(tilt[0]), float(tilt[1])), path)
+
+
+def _window(script: Script) -> tuple[int, int]:
+    """[first, last) sample in which the skin is integrated: the motion and its ring-down; one sample where none is."""
+    if script.moving is None:
+        return 0, 1
+    first, last = script.moving
+    return first, min(last + round(_RING_DOWN_S * FORCE_RATE_HZ), len(script.travel))
+
+
+def _travel_over_skin(path: Path, script: Script, shift: Array) -> Array:
+    """Travel (t,) of the pattern over the taxels: the object's, less what the skin is dragged along."""
+    if path.turns:
+        return script.travel
+    return script.travel - shift @ np.array([np.cos(path.direction), np.sin(path.direction)])
+
+
+def _contact_change(
+    scene: SlipScene, unit: FVSightUnit, path: Path, track: Track, history: Drag, smooth: Array, travel: Array
+) -> Array:
+    """Change (t, 16) of the taxel loads (N) by exchange between crowns and by shear."""
+    if not (scene.effects.crowns or scene.effects.shear_moment):
+        return np.zeros((len(travel), 16))
+    footprint = Footprint.of(unit.skin.film, unit.grid.size_m, CELL_M)
+    place = path.to_sensor(track.cells.place, travel) - history.skin_shift[:, None]
+    shear = history.shear if scene.effects.shear_moment else 0 * history.shear
+    return footprint.taxel_change(place, history.load - smooth, shear)
+
+
+def _truth(
+    names: tuple[str, ...], taxels: Array, history: Drag, at: NDArray[np.intp], path: Path, script: Script
+) -> Mapping[str, NDArray[Any]]:
+    def field(name: str) -> NDArray[Any]:
+        if name == "pose":
+            return np.stack(path.pose(script.travel), axis=-1)
+        if name == "taxel_load":
+            return taxels.astype(np.float32)
+        if name == "shear_force":
+            return history.shear.sum(axis=1)[at].astype(np.float32)
+        values = {"slip_distance": history.slip, "slip_share": history.slip_share, "skin_shift": history.skin_shift}
+        return values[name][at].astype(np.float32)
+
+    return {name: field(name) for name in names}
