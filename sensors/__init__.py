@@ -6,11 +6,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from sensors.sensor_card import describe
     from sensors.fvsight import FVSightParameters, FVSightUnit
     from sensors.press import TRUTH_FIELDS, simulate
     from sensors.recording import Recording
     from sensors.scene import PressScene
+    from sensors.sensor_card import describe
     from sensors.slide import SLIDE_TRUTH, SlideRecording, SlipScene, draw_slide, simulate_slide
 
 __all__ = [
