@@ -81,10 +81,14 @@ def slip_states(friction: Friction, slip_share: Array) -> NDArray[np.uint8]:
     return state
 
 
-def presliding_distance(patch: SkinPatch, load: Array) -> float:
-    """How far (m) the object moves before all cells (loads (n,)) are at their limit: shift of the skin + worst cell."""
+def presliding_distance(patch: SkinPatch, load: Array, share: float) -> float:
+    """How far (m) a slow object moves until `share` of the load (n,) slips: that cell's break + the skin's shift."""
     limit = patch.law.dynamic * load
-    return float(limit.sum() / patch.stiffness + (limit / patch.law.stiffness).max())
+    length = limit / patch.law.stiffness
+    order = np.argsort(length)
+    breaking = float(length[order][np.searchsorted(np.cumsum(load[order]), share * load.sum() * (1 - 1e-9))])
+    strained = -np.expm1(-breaking / np.maximum(length, 1e-12))
+    return breaking + float((limit * strained).sum()) / patch.stiffness
 
 
 def skin_patch(friction: Friction, film: LayerMaterial, skin: InPlaneSkin, cells: Cells, grip: float) -> SkinPatch:

@@ -53,7 +53,8 @@ def simulate_slide(
     skin = in_plane_skin(unit.grid, unit.skin.film, scene.friction.areal_mass_kg_m2, traction_modes(unit, start))
     still = lay_track(placed, np.zeros(1), np.full(1, load_n), start)
     at_rest = skin_patch(scene.friction, unit.skin.film, skin, still.cells, grip)
-    script = write_script(scene, plan, load_n, presliding_distance(at_rest, still.cell_share[0] * load_n), script_rng)
+    presliding = presliding_distance(at_rest, still.cell_share[0] * load_n, scene.friction.gross_share)
+    script = write_script(scene, plan, load_n, presliding, script_rng)
     track = lay_track(placed, script.travel, script.load, start, frames)
 
     first, last = _window(script)

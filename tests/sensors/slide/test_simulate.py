@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
+from sensors.fvsight import fvsight_unit
 from sensors.slide import GROSS, KINDS, PARTIAL, SLIDE_TRUTH, SLIPPING, STICK, SlipScene, simulate_slide
+from sensors.slide.drag import presliding_distance, skin_patch
+from sensors.slide.membrane import in_plane_skin
+from sensors.slide.path import Path
+from sensors.slide.shapes import body
+from sensors.slide.track import Placed, lay_track, traction_modes
 
 SHORT = {"rest_s": 0.3, "rest_jitter_s": 0.0, "move_s": 0.4, "settle_s": 0.3, "longest_mm": 3.0, "negative_s": 2.0}
 QUIET = dict.fromkeys(("unit_spread", "session_drift", "force_noise", "camera_noise", "crowns", "late_film"), False)
@@ -129,6 +135,21 @@ def test_an_incipient_slip_is_partial_at_most():
     gross = [np.any(simulate_slide(scene, index, 0).state == GROSS) for index in range(3)]
     assert any(partial)
     assert not any(gross)
+
+
+def test_the_presliding_distance_is_what_a_slow_slide_needs():
+    slow = scene_with(conditions={"speeds_mm_s": [2.0]}, friction={"static": 0.5}, motion=SHORT | {"load_ripple": 0.0})
+    plan = slow.plan(1)
+    unit = fvsight_unit(slow.effective_sensor(), plan.unit)
+    recording = simulate_slide(slow, 1, 0, truth=("pose",))
+    pose = recording.truth["pose"]
+    travelled = np.hypot(*(pose[recording.onset_sample] - pose[0])[:2])
+    there = Placed(unit, body("cuboid"), (0.0, 0.0), Path(*pose[0], 0.0, False))
+    start = there.solve(0.0, 5.0)
+    skin = in_plane_skin(unit.grid, unit.skin.film, slow.friction.areal_mass_kg_m2, traction_modes(unit, start))
+    track = lay_track(there, np.zeros(1), np.full(1, 5.0), start)
+    patch = skin_patch(slow.friction, unit.skin.film, skin, track.cells, 1.0)
+    assert travelled == pytest.approx(presliding_distance(patch, track.cell_share[0] * 5.0, 0.9), rel=0.2)
 
 
 def test_after_a_release_the_film_recovers_late():
