@@ -22,6 +22,10 @@ _ROUNDING = 1e-13
 _CLOSE = 1e-4
 """Fall of the energy, relative to it, below which the gradient is the better guide."""
 
+_CHORD = 0.2
+_NEWTON = 0.5
+"""What the gradient must fall to, under an old tangent and under its own, for a step to be taken without the energy."""
+
 _CONCAVE = 0.9
 """Fall of the energy over that of its slope from which on it bends downwards: a parabola's minimum gives one half."""
 
@@ -46,75 +50,107 @@ class Potential(Protocol):
         ...
 
 
+class Factors(Protocol):
+    """A factorised tangent."""
+
+    def solve(self, right: Floats) -> Floats:
+        """The solution of tangent x = right."""
+        ...
+
+
 @dataclass(frozen=True)
 class Minimum:
-    """Where Newton ended, in how many iterations, and the norm of the gradient there."""
+    """Where Newton ended, with how many tangents, the norm of the gradient there, and the last tangent's factors."""
 
     at: Floats
     iterations: int
     residual: float
+    factors: Factors | None
 
 
-def minimise(potential: Potential, start: Floats, tolerance: float, largest_step: float, limit: int = 40) -> Minimum:
+def minimise(
+    potential: Potential,
+    start: Floats,
+    tolerance: float,
+    largest_step: float,
+    *,
+    factors: Factors | None = None,
+    limit: int = 40,
+) -> Minimum:
     """Newton from `start` until the gradient's norm is below `tolerance`.
 
-    No component moves by more than `largest_step` in one iteration. Raises ConvergenceError when the line search finds
-    no lower energy or after `limit` iterations.
+    No component moves by more than `largest_step` in one iteration. The last tangent, or `factors` of one nearby, is
+    used again as long as that cuts the gradient to a fifth: its factors are nine tenths of the cost. Raises
+    ConvergenceError when the line search finds no lower energy or after `limit` tangents.
     """
     at, gradient = start, potential.gradient(start)
-    value = potential.energy(start)
-    for iteration in range(limit + 1):
-        residual = float(np.linalg.norm(gradient))
-        if residual <= tolerance:
-            return Minimum(at, iteration, residual)
-        if iteration == limit:
-            break
-        direction = _descent(potential.hessian(at), gradient)
-        longest = largest_step / float(np.abs(direction).max())
-        slope = float(gradient @ direction)
-        found = _close_in(potential, at, value, direction, slope, longest, residual)
-        found = found or _line_search(potential, at, value, direction, slope, longest)
+    value, tangents = potential.energy(start), 0
+    while (residual := float(np.linalg.norm(gradient))) > tolerance and tangents < limit:
+        found = None
+        if factors is not None:
+            direction = factors.solve(-gradient)
+            found = _close_in(potential, at, value, gradient, direction, largest_step, _CHORD * residual)
+        if found is None:
+            direction, factors = _descent(potential.hessian(at), gradient)
+            tangents += 1
+            found = _close_in(potential, at, value, gradient, direction, largest_step, _NEWTON * residual)
+        if found is None:
+            longest = largest_step / float(np.abs(direction).max())
+            found = _line_search(potential, at, value, direction, float(gradient @ direction), longest)
         if found is None:
             break
         at, value = found
         gradient = potential.gradient(at)
+    if residual <= tolerance:
+        return Minimum(at, tangents, residual, factors)
     raise ConvergenceError(
-        f"Newton stopped at iteration {iteration} with residual {residual:.2e} N > {tolerance:.2e} N; "
+        f"Newton stopped after {tangents} tangents with residual {residual:.2e} N > {tolerance:.2e} N; "
         "press less deep, in smaller steps, or on a finer mesh"
     )
 
 
-def _descent(hessian: sp.csc_matrix, gradient: Floats) -> Floats:
-    """Newton's direction, shifted towards steepest descent where the tangent is not positive along it."""
+def _descent(hessian: sp.csc_matrix, gradient: Floats) -> tuple[Floats, Factors | None]:
+    """Newton's direction, shifted towards steepest descent where the tangent is not positive along it.
+
+    With it come the factors of the tangent, None where it had to be shifted.
+    """
     diagonal = np.abs(hessian.diagonal())
     for shift in _SHIFTS:
-        shifted = hessian if shift == 0 else hessian + sp.diags(shift * diagonal, format="csc")
-        direction = _solve(shifted, -gradient)
-        if direction is not None and gradient @ direction < 0:
-            return direction
-    return -gradient / np.maximum(diagonal, diagonal.max() * 1e-12)
+        factors = _factorise(hessian if shift == 0 else hessian + sp.diags(shift * diagonal, format="csc"))
+        direction = None if factors is None else factors.solve(-gradient)
+        if direction is not None and np.isfinite(direction).all() and gradient @ direction < 0:
+            return direction, factors if shift == 0 else None
+    return -gradient / np.maximum(diagonal, diagonal.max() * 1e-12), None
 
 
-def _solve(matrix: sp.csc_matrix, right: Floats) -> Floats | None:
-    """One symmetric solve in the given order; None where the matrix is singular."""
+def _factorise(matrix: sp.csc_matrix) -> Factors | None:
+    """Symmetric factors in the given order; None where the matrix is singular."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            factors = spla.splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+            factors: Factors = spla.splu(
+                matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+            )
     except (RuntimeError, Warning):
         return None
-    out: Floats = factors.solve(right)
-    return out if np.isfinite(out).all() else None
+    return factors
 
 
 def _close_in(
-    potential: Potential, at: Floats, value: float, direction: Floats, slope: float, longest: float, residual: float
+    potential: Potential,
+    at: Floats,
+    value: float,
+    gradient: Floats,
+    direction: Floats,
+    largest_step: float,
+    target: float,
 ) -> tuple[Floats, float] | None:
-    """The full step where little energy is left to lose and the gradient halves: there energies only round."""
-    if abs(slope) > _CLOSE * abs(value) or longest < 1:
+    """The full step where little energy is left to lose and the gradient falls to `target`; energies only round there."""
+    slope = float(gradient @ direction)
+    if not -_CLOSE * abs(value) <= slope < 0 or np.abs(direction).max() > largest_step:
         return None
     energy = potential.energy(at + direction)
-    if np.isfinite(energy) and np.linalg.norm(potential.gradient(at + direction)) < residual / 2:
+    if np.isfinite(energy) and np.linalg.norm(potential.gradient(at + direction)) < target:
         return at + direction, energy
     return None
 

@@ -22,7 +22,7 @@ from sensors.contact.solver import ConvergenceError
 
 Floats = NDArray[np.float64]
 
-_STIFFNESS = 200.0
+_STIFFNESS = 100.0
 """Contact stiffness over E / h, per area; multipliers remove what penetration it leaves."""
 
 _FORCE_TOLERANCE = 1e-8
@@ -141,12 +141,17 @@ class NeoHookeanPad:
         if load is not None and start.load_n == 0:
             indentation = self._touch(contact)
         scale = max(load or 0.0, start.load_n, self.material.youngs_modulus_pa * self.thickness_m**2 / 100)
-        iterations = 0
+        iterations, factors = 0, None
         for _ in range(_UPDATES):
             press = Press(self.assembly, contact, indentation, load)
             found = minimise(
-                press, press.pack(displacement), _FORCE_TOLERANCE * scale, _LARGEST_STEP * self.thickness_m
+                press,
+                press.pack(displacement),
+                _FORCE_TOLERANCE * scale,
+                _LARGEST_STEP * self.thickness_m,
+                factors=factors,
             )
+            factors = found.factors
             displacement, indentation = press.unpack(found.at)
             iterations += found.iterations
             gap = contact.gap(displacement, indentation)
