@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import pydantic
 
     from sensors.scene import PressScene
+    from sensors.slide import SlipScene
     from vtbench.run.suite import Suite
 
     ModelT = TypeVar("ModelT", bound=pydantic.BaseModel)
@@ -76,8 +77,10 @@ def load_model(path: Path, model: type[ModelT], *, data: Mapping[str, Any] | Non
     return _build(model, file.data, path, file.lines)
 
 
-def load_scene(name_or_path: str | Path, overrides: Mapping[str, Any] | None = None) -> PressScene:
+def load_scene(name_or_path: str | Path, overrides: Mapping[str, Any] | None = None) -> PressScene | SlipScene:
     """A scene by name (`fvsight-press/hard`) or from one's own YAML file (`mine.yaml`, `mine.yaml/hard`).
+
+    It is one of presses, or with `kind: slide` one of slides.
 
     The chosen entry of the file's `variations` is merged over its other keys and added to the scene's id. An empty
     variation is the scene itself under a second name, so it keeps the id.
@@ -104,6 +107,10 @@ def load_scene(name_or_path: str | Path, overrides: Mapping[str, Any] | None = N
     if overrides:
         data = deep_merge(data, from_dotted(overrides))
         lines |= {tuple(key.split(".")): 0 for key in overrides}  # not written in the file
+    if data.get("kind") == "slide":
+        from sensors.slide import SlipScene
+
+        return _build(SlipScene, data, path, lines)
     from sensors.scene import PressScene
 
     return _build(PressScene, data, path, lines)

@@ -118,10 +118,11 @@ def _folder(path: Path) -> Iterator[Verdict]:
 
 
 def _dataset(path: Path) -> Verdict:
-    from vtbench.data import Dataset, check_dataset
+    from vtbench.data import check_dataset
+    from vtbench.data.opening import open_dataset
 
     problems = check_dataset(path)
-    about = "" if problems else f"{count_text(Dataset.open(path, verify=False).n, 'sample')}"
+    about = "" if problems else f"{count_text(open_dataset(path, verify=False).n, 'sample')}"
     return Verdict(str(path), "dataset", about, problems)
 
 

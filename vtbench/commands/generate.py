@@ -24,13 +24,16 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         examples=(
             "vtbench generate fvsight-press -o data/paper --samples 324 --jobs 2",
             "vtbench generate fvsight-press/hard -o data/hard --truth pressure,contact",
+            "vtbench generate fvsight-slip -o data/slip --jobs 2",
             "vtbench generate my-scene.yaml -o data/mine --seed 1",
         ),
         resume="the same command goes on from the last whole shard",
     )
     parser.add_argument("scene", metavar="SCENE", help="name (`vtbench list scenes`) or a YAML file of your own")
     add_out(parser, "DIR", "folder of the dataset")
-    parser.add_argument("--samples", metavar="N", type=whole_number(1), help="presses (default: the full protocol)")
+    parser.add_argument(
+        "--samples", metavar="N", type=whole_number(1), help="how many (default: the full protocol)"
+    )
     parser.add_argument("--seed", metavar="S", type=whole_number(0), default=0, help="run seed (default 0)")
     parser.add_argument("--variation", metavar="V", help="variation of the scene, as in SCENE/V")
     parser.add_argument(
@@ -40,6 +43,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         default=(),
         help=f"also keep some of {','.join(TRUTH)}",
     )
+    parser.add_argument("--video", action="store_true", help="of slides: keep the camera's frames too")
     parser.add_argument("--fresh", action="store_true", help="start over instead of going on")
     add_jobs(parser)
     add_json(parser)
@@ -48,17 +52,18 @@ def add(commands: _SubParsersAction[Parser]) -> None:
 def run(args: Namespace) -> int:
     """Simulate and write; print what the dataset holds."""
     from vtbench.config import load_scene
-    from vtbench.data import write_dataset
+    from vtbench.data.opening import write_scene
 
     scene = load_scene(f"{args.scene}/{args.variation}" if args.variation else args.scene)
     started = time.perf_counter()
-    path = write_dataset(
+    path = write_scene(
         args.out,
         scene,
         samples=args.samples,
         seed=args.seed,
         jobs=args.jobs,
         truth=args.truth,
+        frames=args.video,
         resume=not args.fresh,
     )
     return report(path, time.perf_counter() - started, args.json)
@@ -66,9 +71,9 @@ def run(args: Namespace) -> int:
 
 def report(path: Path, seconds: float, as_json: bool) -> int:
     """Print what a dataset just written holds."""
-    from vtbench.data import Dataset
+    from vtbench.data.opening import open_dataset
 
-    dataset = Dataset.open(path)
+    dataset = open_dataset(path)
     size = sum(shard.bytes for shard in dataset.meta.shards)
     if as_json:
         shards = len(dataset.meta.shards)

@@ -16,6 +16,7 @@ from vtbench.data.format import META_FILE, PRESSES, arrow_schema
 from vtbench.data.integrity import column_problem, dataset_problems, shard_problem
 from vtbench.data.meta import DatasetMeta, ShardEntry, read_meta
 from vtbench.data.png import png_problem, png_size
+from vtbench.data.slide_checks import onset_problems, state_problems
 
 
 def check_dataset(path: Path | str) -> list[str]:
@@ -72,6 +73,9 @@ def _cell_problems(
     cells: pa.Array, column: str, table: pa.Table, meta: DatasetMeta
 ) -> Iterator[tuple[str, NDArray[np.int64]]]:
     """(what is wrong, rows where it is) for one column whose type is right."""
+    if column == "onset":
+        yield from onset_problems(cells, table)
+        return
     yield "no value", _rows(cells.is_null())
     if cells.null_count:
         return
@@ -81,6 +85,12 @@ def _cell_problems(
         yield f"expected one of {', '.join(PRESSES)}", _rows(pc.invert(pc.is_in(cells, pa.array(PRESSES))))
     elif column == "label":
         yield from _label_problems(cells, table, meta)
+    elif column == "state":
+        yield from state_problems(cells, table)
+    elif column == "frames":
+        for row, rows_frames in enumerate(cells):
+            for what, _ in _image_problems(rows_frames.values, meta.image_size):
+                yield what, np.array([row])
     elif column == "hold_stop":
         yield from _hold_problems(cells, table)
     else:

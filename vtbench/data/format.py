@@ -36,14 +36,32 @@ _SCALARS: dict[str, pa.DataType] = {
     "pose_x_mm": pa.float64(),
     "pose_y_mm": pa.float64(),
     "pose_deg": pa.float64(),
+    "kind": pa.string(),
+    "trial": pa.int32(),
+    "speed_mm_s": pa.float64(),
+    "rotation_deg_s": pa.float64(),
+    "load_n": pa.float64(),
+    "direction_deg": pa.float64(),
+    "onset": pa.int32(),
 }
+NULLABLE = ("onset",)
+"""Columns in which a missing value means something: a trial without gross slip has no onset."""
 _IMAGE = pa.struct([pa.field("bytes", pa.binary()), pa.field("path", pa.string())])
+_LISTS = {"state": pa.uint8(), "frames": _IMAGE, "frame_time_s": pa.float64()}
 
 SIMULATED_COLUMNS = (
     *("id", "object", "label", "press", "unit", "session", "round", "seed", "image", "image_rest"),
     *("force", "taxel_load", "force_series", "rate_hz", "hold_start", "hold_stop", "image_time_s"),
     *("total_force_n", "indentation_mm", "pose_x_mm", "pose_y_mm", "pose_deg"),
 )
+SLIDE_COLUMNS = (
+    *("id", "object", "label", "kind", "trial", "unit", "session", "seed"),
+    *("speed_mm_s", "rotation_deg_s", "load_n", "direction_deg"),
+    *("rate_hz", "onset", "force_series", "state"),
+)
+FRAME_COLUMNS = ("frames", "frame_time_s")
+SLIDE_STATES = ("stick", "partial slip", "gross slip")
+"""What the values 0, 1, 2 of a slide's `state` mean."""
 
 
 def shard_name(number: int) -> str:
@@ -64,6 +82,8 @@ def column_type(name: str, n_taxels: int, truth: Mapping[str, Sequence[int]]) ->
         return _IMAGE
     if name in ("force", "taxel_load"):
         return fixed_list(pa.float32(), n_taxels)
+    if name in _LISTS:
+        return pa.list_(pa.field("element", _LISTS[name]))
     if name == "force_series":
         return pa.list_(pa.field("element", fixed_list(pa.float32(), n_taxels)))
     field = name.removeprefix("truth_")

@@ -14,6 +14,8 @@ from vtbench.data.format import META_FILE, SCHEMA_VERSION, canonical_json
 
 _M = TypeVar("_M", bound=BaseModel)
 
+Recordings = Literal["presses", "slides"]
+
 
 class _Frozen(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -32,11 +34,14 @@ class Plan(_Frozen):
     """All that decides a dataset's bytes, known before the first shard is written.
 
     `source` says where imported recordings came from; `scene`, `sensor` and `seed` say what was simulated.
-    `image_size` is (height, width); `truth` maps a stored ground-truth field to its grid (rows, columns).
+    `recordings` are presses, or slides: trials in time with the state of the contact.
+    `image_size` is (height, width), zeros where there are no frames; `truth` maps a stored ground-truth field to its
+    grid (rows, columns).
     """
 
     schema_version: int = SCHEMA_VERSION
     kind: Literal["simulated", "imported"]
+    recordings: Recordings = "presses"
     name: str
     generator: dict[str, str]
     scene: dict[str, Any] | None = None

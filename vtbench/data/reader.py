@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 import pyarrow as pa
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vtbench.data.format import arrow_schema
 from vtbench.data.integrity import column_problem, dataset_problems
-from vtbench.data.meta import DatasetMeta, read_meta
+from vtbench.data.meta import DatasetMeta, Recordings, read_meta
 from vtbench.data.png import decode_png
 
 if TYPE_CHECKING:
@@ -31,12 +31,14 @@ class Dataset:
         meta: what `dataset.json` holds.
     """
 
+    recordings: Recordings = "presses"
+
     def __init__(self, path: Path, meta: DatasetMeta) -> None:
         self.path = path
         self.meta = meta
 
     @classmethod
-    def open(cls, path: Path | str, verify: Verify = "size") -> Dataset:
+    def open(cls, path: Path | str, verify: Verify = "size") -> Self:
         """Open the dataset in folder `path`.
 
         Args:
@@ -45,10 +47,13 @@ class Dataset:
                 (`"sha256"`), or nothing (`False`).
 
         Raises:
-            ValueError: no dataset there, or a shard that is missing, truncated or changed; it is named.
+            ValueError: no dataset there, one of other recordings, or a shard that is missing, truncated or
+                changed; it is named.
         """
         path = Path(path)
         dataset = cls(path, read_meta(path))
+        if dataset.meta.recordings != cls.recordings:
+            raise ValueError(f"{path}: expected a dataset of {cls.recordings}, it holds {dataset.meta.recordings}")
         if verify:
             problems = dataset_problems(path, dataset.meta, checksums=verify == "sha256")
             if problems:

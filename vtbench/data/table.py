@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 
 Row = Mapping[str, Any]
 
-_TEXT = ("object", "press")
+_TEXT = ("object", "press", "kind")
 
 
 def build_table(rows: Sequence[Row], schema: pa.Schema) -> pa.Table:
@@ -37,13 +37,17 @@ def write_parquet(table: pa.Table, path: Path) -> None:
 
 def _array(values: list[Any], kind: pa.DataType) -> pa.Array:
     if pa.types.is_struct(kind):
-        data, paths = zip(*values, strict=True)
+        data, paths = zip(*values, strict=True) if values else ((), ())
         return pa.StructArray.from_arrays(
             [pa.array(data, pa.binary()), pa.array(paths, pa.string())], fields=list(kind)
         )
     if pa.types.is_fixed_size_list(kind):
         stacked = np.stack([np.asarray(value) for value in values])
         return _fixed(stacked.reshape(-1), kind)
+    if pa.types.is_list(kind) and pa.types.is_struct(kind.value_type):
+        offsets = np.cumsum([0, *map(len, values)], dtype=np.int32)
+        items = _array([cell for cells in values for cell in cells], kind.value_type)
+        return pa.ListArray.from_arrays(pa.array(offsets), items, type=kind)
     if pa.types.is_list(kind):
         arrays = [np.asarray(value) for value in values]
         offsets = np.cumsum([0, *(len(array) for array in arrays)], dtype=np.int32)

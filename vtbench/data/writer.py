@@ -63,16 +63,11 @@ def write_dataset(
     """
     out = Path(out)
     samples = scene.n_samples if samples is None else samples
-    if samples < 1:
-        raise ValueError(f"samples: expected at least 1, got {samples}")
-    if seed < 0:
-        raise ValueError(f"seed: expected 0 or more, got {seed}")
-    if samples_per_shard < 1:
-        raise ValueError(f"samples_per_shard: expected at least 1, got {samples_per_shard}")
+    check_counts(samples, seed, samples_per_shard)
     for field in truth:
         if field not in TRUTH_UNITS:
             raise ValueError(f"truth: unknown field {field!r}; expected some of {', '.join(TRUTH_UNITS)}")
-    jobs = _processes(jobs)
+    jobs = processes(jobs)
     make_folder(out)
     fields = tuple(name for name in TRUTH_UNITS if name in truth)
     if simulate is None:
@@ -131,7 +126,18 @@ def _grid(recording: Recording, field: str) -> tuple[int, int]:
     return rows, columns
 
 
-def _processes(jobs: int) -> int:
+def check_counts(samples: int, seed: int, samples_per_shard: int) -> None:
+    """Raise ValueError for a number that is out of range."""
+    if samples < 1:
+        raise ValueError(f"samples: expected at least 1, got {samples}")
+    if seed < 0:
+        raise ValueError(f"seed: expected 0 or more, got {seed}")
+    if samples_per_shard < 1:
+        raise ValueError(f"samples_per_shard: expected at least 1, got {samples_per_shard}")
+
+
+def processes(jobs: int) -> int:
+    """Number of processes that `jobs` asks for; ValueError below 1 except for -1, every core."""
     if jobs == -1:
         from joblib import cpu_count
 

@@ -38,10 +38,10 @@ def prepare_datasets(suite: Suite, out: Path, jobs: int, progress: bool) -> None
             read_meta(path)
             continue
         from vtbench.config import load_scene
-        from vtbench.data import write_dataset
+        from vtbench.data.opening import write_scene
 
         scene = load_scene(spec.scene, spec.set)
-        write_dataset(path, scene, samples=spec.samples, seed=spec.seed, jobs=jobs, truth=spec.truth, progress=progress)
+        write_scene(path, scene, samples=spec.samples, seed=spec.seed, jobs=jobs, truth=spec.truth, progress=progress)
 
 
 def find_sources(suite: Suite, out: Path) -> dict[tuple[str, str], Source]:
