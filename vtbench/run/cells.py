@@ -99,7 +99,12 @@ def plan(
                     key,
                     Cell(identity, key, task, feed, method, suite.timeout_s, suite.backbone, source.missing),
                 )
-    return list(cells.values())
+    return sorted(cells.values(), key=_neighbours)
+
+
+def _neighbours(cell: Cell) -> tuple[object, ...]:
+    """Cells on the same samples, split and blocks stand together: a worker reduces a block once for all of them."""
+    return (*cell.group, cell.identity.split, *(block.name for block in cell.feed.blocks), cell.identity.modality)
 
 
 def _grid(

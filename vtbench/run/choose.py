@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -73,11 +74,22 @@ def choose(
             )
         return known[name]
 
-    for candidates in (_sizes, _params, _weights):
-        tried = candidates(method, feed, best)
-        if len(tried) > 1:
-            best = max(tried, key=accuracy)
+    with _quick_checks(method):
+        for candidates in (_sizes, _params, _weights):
+            tried = candidates(method, feed, best)
+            if len(tried) > 1:
+                best = max(tried, key=accuracy)
     return best
+
+
+@contextmanager
+def _quick_checks(method: Method) -> Iterator[None]:
+    """Leave out scikit-learn's checks of parameters that are ours and of columns that have been checked already."""
+    from sklearn import config_context
+
+    ours = "estimator" not in method.source
+    with config_context(assume_finite=ours, skip_parameter_validation=ours):
+        yield
 
 
 def first_setting(method: Method, feed: Feed) -> Setting:

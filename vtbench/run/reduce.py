@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from vtbench.tasks.base import Block, Features
 
 Floats = NDArray[np.floating]
-_KEPT = 128
-"""Reduced blocks kept in a process: the folds of one split, their inner folds, two or three blocks."""
+KEPT_BYTES = 192 * 2**20
+"""Of reduced blocks in one process: a split's folds and inner folds for a few blocks fit."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,11 @@ class Reduced:
     test: Floats
     us_per_sample: float
 
+    @property
+    def nbytes(self) -> int:
+        """Memory of both parts."""
+        return self.train.nbytes + self.test.nbytes
+
 
 class Reducer:
     """Reduces blocks, and remembers them: every method on a fold, and every size, starts from the same fit.
@@ -43,6 +48,7 @@ class Reducer:
         self.blocks = blocks
         self.mode = mode
         self._kept: OrderedDict[tuple[str, bytes, bytes], Reduced] = OrderedDict()
+        self._bytes = 0
 
     def at(self, block: Block, size: int | None, train: NDArray[np.int64], test: NDArray[np.int64]) -> Reduced:
         """Block at one of its sizes (None: all columns)."""
@@ -65,8 +71,9 @@ class Reducer:
             features = self.blocks[block.name]
             most = max(block.components, default=None)
             self._kept[key] = _scaled(features[train], features[test], most)
-            while len(self._kept) > _KEPT:
-                self._kept.popitem(last=False)
+            self._bytes += self._kept[key].nbytes
+            while self._bytes > KEPT_BYTES and len(self._kept) > 1:
+                self._bytes -= self._kept.popitem(last=False)[1].nbytes
         self._kept.move_to_end(key)
         return self._kept[key]
 
