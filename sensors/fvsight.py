@@ -27,7 +27,7 @@ from sensors.optics.lights import LedRing
 TAXELS_PER_SIDE = 4
 FORCE_RATE_HZ = 1000.0
 FRAME_TOLERANCE = 3e-4
-"""Of the contact solve; over the 27 objects it moves no pixel by 0.1 grey levels and no taxel by 0.01 N, below noise."""
+"""Of the contact solve; over the 27 objects it moves no pixel by 0.1 grey levels, no taxel by 0.01 N: below noise."""
 _UNIT_ENTROPY = 0x5F5349
 """A unit is the same physical sensor in every run: its traits depend on its number alone."""
 
