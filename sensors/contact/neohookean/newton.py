@@ -145,7 +145,7 @@ def _close_in(
     largest_step: float,
     target: float,
 ) -> tuple[Floats, float] | None:
-    """The full step where little energy is left to lose and the gradient falls to `target`; energies only round there."""
+    """The full step near the minimum, where energies only round, if it brings the gradient down to `target`."""
     slope = float(gradient @ direction)
     if not -_CLOSE * abs(value) <= slope < 0 or np.abs(direction).max() > largest_step:
         return None
