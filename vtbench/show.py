@@ -29,7 +29,8 @@ def show(path: Path | str, png: Path | str, *, sample: int | None = None) -> Pat
     """Draw what `path` is into the file `png` and return it.
 
     A dataset gives its contact sheet, or one press in time when `sample` is given; a run gives the contact sheet
-    of its first dataset; `fabricslide16`, or a folder that holds it, gives sliding recordings.
+    of its first dataset; `fabricslide16`, or a folder that holds it, gives sliding recordings;
+    `gelsight_ball_presses`, or a folder that holds it, gives real presses beside rendered ones.
 
     Raises:
         ValueError: `path` is none of these, or the sample does not exist.
@@ -40,12 +41,22 @@ def show(path: Path | str, png: Path | str, *, sample: int | None = None) -> Pat
     if (folder / META_FILE).is_file() or inside:
         dataset = folder if (folder / META_FILE).is_file() else inside[0].parent
         return contact_sheet(dataset, png) if sample is None else force_history(dataset, sample, png)
+    if str(path) == "gelsight_ball_presses" or (folder / "gelsight" / "presses.csv").is_file():
+        return _ball_presses(folder if folder.is_dir() else None, Path(png))
     if str(path) in PUBLIC or (folder / "data" / "fabric").is_dir():
         recordings = load_fabricslide16(folder if folder.is_dir() else data_root(str(path)))
         return slide_traces(recordings, png)
     raise ValueError(
         f"{path}: nothing to draw; expected a dataset, a run that holds one, or one of {', '.join(PUBLIC.ids())}"
     )
+
+
+def _ball_presses(root: Path | None, png: Path) -> Path:
+    from sensors.gelsight import committed_calibration
+    from sensors.gelsight_figure import draw_held_out
+    from vtbench.data.gelsight_ball_presses import load_gelsight_ball_presses
+
+    return draw_held_out(load_gelsight_ball_presses(root), committed_calibration(), png)
 
 
 def contact_sheet(dataset_dir: Path | str, png: Path | str, count: int = 12) -> Path:

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from vtbench.data.fabricslide16 import load_fabricslide16 as load_fabricslide16
     from vtbench.data.fetching import fetch as fetch
     from vtbench.data.folder_import import import_folder as import_folder
+    from vtbench.data.gelsight_ball_presses import load_gelsight_ball_presses as load_gelsight_ball_presses
     from vtbench.data.meta import DatasetMeta as DatasetMeta
     from vtbench.data.public import PublicSet as PublicSet
     from vtbench.data.public import data_root as data_root
@@ -28,6 +29,7 @@ _HOMES = {
     "fetch": "fetching",
     "import_folder": "folder_import",
     "load_fabricslide16": "fabricslide16",
+    "load_gelsight_ball_presses": "gelsight_ball_presses",
     "public_set": "public",
     "write_dataset": "writer",
 }

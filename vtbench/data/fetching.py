@@ -5,11 +5,13 @@ from __future__ import annotations
 import hashlib
 import http.client
 import os
+import shutil
 import sys
 import time
 import urllib.error
 import urllib.parse
 import urllib.request
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
@@ -30,7 +32,21 @@ def fetch(name: str, *, progress: bool = True) -> Path:
         ValueError: unknown name, or a file that is not the one that was pinned.
         OSError: no network, or the cache cannot be written; files that came stay for the next try.
     """
-    return fetch_set(public_set(name), cached_root(name), progress=progress)
+    source, root = public_set(name), cached_root(name)
+    if source.unpack is None:
+        return fetch_set(source, root, progress=progress)
+    return root if root.is_dir() else _fetch_and_unpack(source, source.unpack, root, progress)
+
+
+def _fetch_and_unpack(source: PublicSet, unpack: Callable[[Path, Path], None], root: Path, progress: bool) -> Path:
+    """`fetch_set`, then the set from what came; `root` appears whole, the download goes."""
+    download, work = root.with_name(f".{root.name}.download"), root.with_name(f".{root.name}.unpacked")
+    fetch_set(source, download, progress=progress)
+    shutil.rmtree(work, ignore_errors=True)
+    unpack(download, work)
+    os.replace(work, root)
+    shutil.rmtree(download)
+    return root
 
 
 def fetch_set(source: PublicSet, root: Path, *, progress: bool = True) -> Path:

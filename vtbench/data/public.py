@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
@@ -26,6 +27,8 @@ class PublicSet:
         base_url: address under which each file of the manifest lies, at the pinned version.
         megabytes: size of the download.
         manifest: file of `<sha256>  <path>` lines.
+        unpack: for a set that is kept in another form than it is published: turns the folder of the downloaded files
+            into a new folder, the set.
     """
 
     name: str
@@ -36,6 +39,7 @@ class PublicSet:
     base_url: str
     megabytes: int
     manifest: Path
+    unpack: Callable[[Path, Path], None] | None = None
 
     @cached_property
     def files(self) -> dict[str, str]:
@@ -48,6 +52,7 @@ MANIFESTS = Path(__file__).resolve().parent / "manifests"
 # A new set is one module with a `SOURCE: PublicSet` and a loader, registered here.
 PUBLIC: Registry[str] = Registry("public recordings")
 PUBLIC.register("fabricslide16")("vtbench.data.fabricslide16")
+PUBLIC.register("gelsight_ball_presses")("vtbench.data.gelsight_ball_presses")
 
 
 def public_set(name: str) -> PublicSet:
