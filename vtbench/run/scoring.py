@@ -30,7 +30,9 @@ def true_labels(predictions: Arrays, ids: NDArray[np.str_], labels: NDArray[np.i
     found = order[at]
     unknown = ids[found] != predictions["sample_id"]
     if unknown.any():
-        raise ValueError(f"prediction for sample {predictions['sample_id'][unknown][0]!r}, which the data do not hold")
+        raise ValueError(
+            f"prediction for sample {str(predictions['sample_id'][unknown][0])!r}, which the data do not hold"
+        )
     return labels[found]
 
 
