@@ -6,7 +6,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from sensors.digit import Digit, DigitParameters
     from sensors.fvsight import FVSightParameters, FVSightUnit
+    from sensors.gelsight import GelSight, GelSightParameters
     from sensors.press import TRUTH_FIELDS, simulate
     from sensors.recording import Recording
     from sensors.scene import PressScene
@@ -16,8 +18,12 @@ if TYPE_CHECKING:
 __all__ = [
     "SLIDE_TRUTH",
     "TRUTH_FIELDS",
+    "Digit",
+    "DigitParameters",
     "FVSightParameters",
     "FVSightUnit",
+    "GelSight",
+    "GelSightParameters",
     "PressScene",
     "Recording",
     "SlideRecording",
@@ -31,8 +37,12 @@ __all__ = [
 _HOME = {
     "SLIDE_TRUTH": "slide",
     "TRUTH_FIELDS": "press",
+    "Digit": "digit",
+    "DigitParameters": "digit",
     "FVSightParameters": "fvsight",
     "FVSightUnit": "fvsight",
+    "GelSight": "gelsight",
+    "GelSightParameters": "gelsight",
     "PressScene": "scene",
     "Recording": "recording",
     "SlideRecording": "slide",
