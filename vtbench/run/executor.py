@@ -33,7 +33,8 @@ def run_all(works: Iterable[Work], jobs: int) -> Iterator[Outcome]:
     When a worker process dies, what is left runs one cell at a time, each in a process that may die for itself.
     """
     if jobs == 1:
-        yield from map(attempt, works)
+        with _one_thread():
+            yield from map(attempt, works)
         return
     from joblib import Parallel, delayed, parallel_config
     from joblib.externals.loky.process_executor import BrokenProcessPool as BrokenLoky
@@ -91,6 +92,18 @@ def _one_by_one(works: list[Work]) -> Iterator[Outcome]:
                     started=started,
                     finished=now,
                 )
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Numerical libraries on one thread in this process; only a library that is loaded can be limited."""
+    import scipy.linalg
+    import sklearn.neighbors
+    import sklearn.svm  # noqa: F401
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1):
+        yield
 
 
 @contextmanager
