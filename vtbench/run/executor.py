@@ -97,7 +97,7 @@ def _one_by_one(works: list[Work]) -> Iterator[Outcome]:
 @contextmanager
 def _one_thread() -> Iterator[None]:
     """Numerical libraries on one thread in this process; only a library that is loaded can be limited."""
-    import scipy.linalg
+    import scipy.linalg  # noqa: F401
     import sklearn.neighbors
     import sklearn.svm  # noqa: F401
     from threadpoolctl import threadpool_limits
