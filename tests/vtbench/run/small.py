@@ -26,7 +26,9 @@ def simulate(scene, index, seed, truth=()):
     made = fakes.simulate(scene, index, seed, truth)
     label = index % CLASSES
     force = np.random.default_rng(label).gamma(2.0, 0.5, 16) + np.random.default_rng([seed, index]).normal(0, 0.8, 16)
-    return replace(made, force=force.astype(np.float32), labels={**made.labels, "unit": index // 16})
+    return replace(
+        made, force=force.astype(np.float32), labels={**made.labels, "id": f"{index:06d}", "unit": index // 16}
+    )
 
 
 def write(folder, seed=0, samples=N):
