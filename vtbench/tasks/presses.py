@@ -133,7 +133,7 @@ def load_presses(path: Path, features: FeatureCache, backbone: str, *, press: Li
 
 def backbone_identity(name: str) -> dict[str, str]:
     """What decides a backbone's features: its name and the SHA-256 of its weights."""
-    return {"backbone": name, "weights": _backbone(name).weights_sha256}
+    return {"backbone": name, "backbone_sha256": _backbone(name).weights_sha256}
 
 
 def frame_features(path: Path, block: str, backbone: str, rows: NDArray[np.int64]) -> Features:
