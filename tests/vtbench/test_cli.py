@@ -215,7 +215,8 @@ def test_lists_hold_what_there_is(vtbench):
     answer = vtbench("list", "--json")
     assert answer.code == 0
     found = json.loads(answer.out)
-    assert list(found) == ["scenes", "objects", "sensors", "backbones", "methods", "tasks", "suites", "recordings"]
+    kinds = "scenes objects sensors backbones methods detectors tasks suites recordings"
+    assert list(found) == kinds.split()
     assert len(found["objects"]) == 27
     assert all(row["about"] for kind in found if kind != "backbones" for row in found[kind])
     for kind, rows in found.items():

@@ -21,7 +21,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         commands,
         "list",
         run,
-        help="list scenes, objects, sensors, backbones, methods, tasks, suites, recordings",
+        help="list scenes, objects, sensors, backbones, methods, detectors, tasks, suites, recordings",
         examples=("vtbench list", "vtbench list scenes", "vtbench list tasks --json"),
     )
     parser.add_argument(
@@ -87,6 +87,13 @@ def methods() -> Rows:
     return [{"method": name, "about": method.about} for name, method in METHODS.items()]
 
 
+def detectors() -> Rows:
+    """Slip detectors."""
+    from vtbench.run.detection.methods import DETECTORS
+
+    return [{"detector": name, "about": detector.about} for name, detector in DETECTORS.items()]
+
+
 def tasks() -> Rows:
     """Benchmark tasks with their protocols."""
     from vtbench.tasks import TASKS
@@ -126,6 +133,7 @@ KINDS: dict[str, Callable[[], Rows]] = {
     "sensors": sensors,
     "backbones": backbones,
     "methods": methods,
+    "detectors": detectors,
     "tasks": tasks,
     "suites": suites,
     "recordings": recordings,

@@ -8,11 +8,13 @@ from typing import Literal
 
 from leaderboard.record import Identity, Role, record_key
 from vtbench.run.choose import WEIGHT_CHOICES
+from vtbench.run.detection.methods import DETECTORS, DetectorMethod, with_baseline
 from vtbench.run.methods import METHODS, Method
 from vtbench.run.methods.external import external_method
 from vtbench.run.suite import Entry, Suite
 from vtbench.tasks import TASKS
 from vtbench.tasks.base import Feed, Task
+from vtbench.tasks.slides import SlipTask
 
 PROTOCOL_VERSION = 1
 """Raised when splitting, choosing or scoring changes for all tasks."""
@@ -36,7 +38,7 @@ class Cell:
     key: str
     task: Task
     feed: Feed
-    method: Method
+    method: Method | DetectorMethod
     timeout_s: float
     backbone: str
     missing: str = ""
@@ -109,30 +111,42 @@ def _neighbours(cell: Cell) -> tuple[object, ...]:
 
 def _grid(
     entry: Entry, task: Task, variant: str, methods: Mapping[str, Method]
-) -> Iterator[tuple[str, str, Role, Method]]:
+) -> Iterator[tuple[str, str, Role, Method | DetectorMethod]]:
     """(split, feed, role, method) of one entry on one variant."""
     protocol = task.variants[variant]
+    known: Mapping[str, Method | DetectorMethod] = methods
+    chosen = entry.methods
+    if task.reads == "slides":
+        known, chosen = dict(DETECTORS.items()), with_baseline(entry.methods)
     feeds: list[tuple[str, Role, tuple[str, ...]]]
     if protocol.laws:
-        feeds = [(name, "law", entry.methods) for name in protocol.laws]
+        feeds = [(name, "law", chosen) for name in protocol.laws]
     else:
-        feeds = [(name, "method", entry.methods) for name in entry.modalities or task.modalities]
+        feeds = [(name, "method", chosen) for name in entry.modalities or task.modalities]
         feeds += [(name, "probe", entry.beside(entry.probes)) for name in task.probes]
         feeds += [(name, "upper-line", entry.beside(entry.upper_lines)) for name in task.upper_lines]
     for split in protocol.splits:
         if entry.splits is not None and split not in entry.splits:
             continue
         for name, role, ids in feeds:
-            for method in (methods[method_id] for method_id in ids):
+            for method in (known[method_id] for method_id in ids):
                 if len(task.feed(name).blocks) > 1 or not method.joint:
                     yield split, name, role, method
 
 
 def _params(
-    task: Task, variant: str, name: str, role: Role, feed: Feed, method: Method, backbone: Mapping[str, str]
+    task: Task,
+    variant: str,
+    name: str,
+    role: Role,
+    feed: Feed,
+    method: Method | DetectorMethod,
+    backbone: Mapping[str, str],
 ) -> dict[str, object]:
     """What decides a result beside the names: choices, parameters, backbone."""
     params: dict[str, object] = dict(method.identity())
+    if isinstance(task, SlipTask):
+        params.update(task.protocol())
     sizes = {block.name: list(block.sizes) for block in feed.blocks if block.sizes}
     if sizes:
         params["sizes"] = sizes

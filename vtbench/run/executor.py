@@ -16,8 +16,12 @@ from dataclasses import replace
 from multiprocessing import get_context
 from types import FrameType
 
-from vtbench.run.evaluate import Outcome, Work, evaluate
+from vtbench.run.detection.detect import DetectionWork
+from vtbench.run.evaluate import Outcome
+from vtbench.run.evaluate import Work as ClassifierWork
 from vtbench.tasks.base import NotPossibleError
+
+Work = ClassifierWork | DetectionWork
 
 GRACE = 1.5
 """A process that overran its limit this many times, deaf to the alarm, is ended from outside."""
@@ -56,7 +60,7 @@ def attempt(work: Work) -> Outcome:
     try:
         with warnings.catch_warnings(), _limit(work.timeout_s):
             warnings.simplefilter("ignore")
-            outcome = evaluate(work)
+            outcome = work.evaluate()
     except OutOfTimeError:
         outcome = Outcome(work.key, "timeout", f"took longer than {work.timeout_s:g} s (timeout_s of the suite)")
     except NotPossibleError as error:

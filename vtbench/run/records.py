@@ -6,13 +6,18 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
-from leaderboard.record import Metric, Provenance, Record, Status, Timing, Verdict
+from leaderboard.record import Identity, Metric, Provenance, Record, Status, Timing, Verdict
 from vtbench.run.cells import Cell
+from vtbench.run.detection.scoring import score_slips
 from vtbench.run.evaluate import Outcome
 from vtbench.run.scoring import Arrays, score, true_labels, verdict
+from vtbench.tasks import TASKS
 from vtbench.tasks.base import TaskData
+from vtbench.tasks.slides import SlideData, SlipTask
 
 TIMING_NOTE = "indicative: taken while other cells ran, classifier and its PCA; `feature` is the median over chunks"
+
+DETECTOR_NOTE = "indicative: taken while other cells ran; the detector on a batch of 30,000 samples"
 
 
 def record_of(cell: Cell, outcome: Outcome, data: TaskData, provenance: Mapping[str, Any]) -> Record:
@@ -21,14 +26,14 @@ def record_of(cell: Cell, outcome: Outcome, data: TaskData, provenance: Mapping[
     law: Verdict | None = None
     timing = None
     if outcome.predictions is not None:
-        metrics, law = scored(cell.identity.params, outcome.predictions, data)
+        metrics, law = scored(cell.identity, outcome.predictions, data)
         timing = Timing(
             threads=1,
             batch=outcome.batch,
             fit_s=outcome.fit_s,
             predict_us_per_sample=outcome.predict_us,
             feature_us_per_sample=_feature_us(cell, data),
-            note=TIMING_NOTE,
+            note=DETECTOR_NOTE if isinstance(data, SlideData) else TIMING_NOTE,
         )
     return Record(
         key=cell.key,
@@ -52,10 +57,13 @@ def skipped_record(cell: Cell, reason: str, provenance: Mapping[str, Any]) -> Re
     )
 
 
-def scored(params: Mapping[str, Any], predictions: Arrays, data: TaskData) -> tuple[tuple[Metric, ...], Verdict | None]:
+def scored(identity: Identity, predictions: Arrays, data: TaskData) -> tuple[tuple[Metric, ...], Verdict | None]:
     """Metrics of predictions, and the verdict where the cell is a law."""
+    task = TASKS.get(identity.task)
+    if isinstance(task, SlipTask) and isinstance(data, SlideData):
+        return score_slips(predictions, data, task), None
     metrics = score(predictions, true_labels(predictions, data.ids, data.labels))
-    law = params.get("law")
+    law = identity.params.get("law")
     return metrics, None if law is None else verdict(str(law), metrics[0], len(data.classes))
 
 

@@ -9,9 +9,8 @@ from pathlib import Path
 from leaderboard.record import Record, read_predictions, read_records, write_record
 from vtbench.run.folder import read_suite
 from vtbench.run.records import scored
-from vtbench.run.sources import source_path
+from vtbench.run.sources import load_samples
 from vtbench.run.summary import RunSummary
-from vtbench.tasks import TASKS
 from vtbench.tasks.base import Features, NotPossibleError
 
 
@@ -43,9 +42,9 @@ def rescore(run_dir: Path | str) -> RunSummary:
         result += [record for record in of_group if record.status.state != "ok"]
         if not ok:
             continue
-        data = TASKS.get(task_id).load(source_path(suite, run_dir, task_id, dataset), _NoFeatures(), suite.backbone)
+        data = load_samples(suite, run_dir, task_id, dataset, _NoFeatures())
         for record in ok:
-            metrics, law = scored(record.identity.params, read_predictions(run_dir, record.key), data)
+            metrics, law = scored(record.identity, read_predictions(run_dir, record.key), data)
             again = record.model_copy(update={"metrics": metrics, "verdict": law})
             write_record(run_dir, again)
             result.append(again)

@@ -12,7 +12,8 @@ from typing import Any
 from leaderboard.record import Record, scan_records, write_record
 from vtbench.run.cells import Cell, own_methods, plan
 from vtbench.run.folder import claim, set_aside
-from vtbench.run.sources import find_sources, prepare_datasets, source_path
+from vtbench.run.methods import Method
+from vtbench.run.sources import find_sources, load_samples, prepare_datasets
 from vtbench.run.suite import Suite
 from vtbench.run.summary import RunSummary
 
@@ -69,7 +70,7 @@ def _finished(cell: Cell, record: Record | None) -> bool:
     """A skipped row of public recordings that have come since is the only one that runs again."""
     if record is None:
         return False
-    return not (record.status.state == "skipped" and cell.task.reads != "presses" and not cell.missing)
+    return not (record.status.state == "skipped" and not cell.task.reads_dataset and not cell.missing)
 
 
 def _records(out: Path) -> dict[str, Record]:
@@ -95,7 +96,8 @@ def _run(suite: Suite, out: Path, cells: list[Cell], jobs: int, progress: bool) 
     from vtbench.run.provenance import provenance
 
     for method in {cell.method.id: cell.method for cell in cells if "estimator" in cell.method.source}.values():
-        check_external(method)
+        if isinstance(method, Method):
+            check_external(method)
     where = provenance()
     with threadpool_limits(1), bar(len(cells), "cells", progress) as advance:
         for _, group in groupby(cells, key=lambda cell: cell.group):
@@ -119,7 +121,7 @@ def _run_group(
         return
     task_id, _, dataset = cells[0].group
     cache = DiskFeatures(out / "features", jobs, progress)
-    data = cells[0].task.load(source_path(suite, out, task_id, dataset), cache, suite.backbone)
+    data = load_samples(suite, out, task_id, dataset, cache)
     works, impossible = works_of(cells, data)
     by_key = {cell.key: cell for cell in cells}
     yield from ((skipped_record(by_key[key], reason, where), None) for key, reason in impossible.items())

@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from vtbench.run.cells import Source
-from vtbench.run.suite import DatasetSpec, Suite
+from vtbench.run.suite import JOIN, DatasetSpec, Suite, dataset_ids
 from vtbench.tasks import TASKS
+from vtbench.tasks.base import FeatureCache, TaskData
+from vtbench.tasks.slides import SlipTask, load_slides
 
 
 def dataset_path(out: Path, spec: DatasetSpec) -> Path:
@@ -25,10 +27,11 @@ def prepare_datasets(suite: Suite, out: Path, jobs: int, progress: bool) -> None
     from vtbench.data.meta import read_meta
 
     used = {
-        dataset or variant
+        dataset
         for entry in suite.entries
-        if TASKS.get(entry.task).reads == "presses"
-        for variant, dataset in entry.variants.items()
+        if TASKS.get(entry.task).reads_dataset
+        for variant, joined in entry.variants.items()
+        for dataset in dataset_ids(joined or variant)
     }
     for spec in suite.datasets:
         path = dataset_path(out, spec)
@@ -53,25 +56,38 @@ def find_sources(suite: Suite, out: Path) -> dict[tuple[str, str], Source]:
     for entry in suite.entries:
         task = TASKS.get(entry.task)
         for variant, dataset in entry.variants.items():
-            if task.reads == "presses":
-                spec = specs[dataset or variant]
-                meta = read_meta(dataset_path(out, spec))
-                kind = task.kind if meta.kind == "simulated" else "real"
-                found[task.id, variant] = Source(spec.id, meta.hash, kind)
+            if task.reads_dataset:
+                names = dataset_ids(dataset or variant)
+                metas = [read_meta(dataset_path(out, specs[name])) for name in names]
+                kind = task.kind if all(meta.kind == "simulated" for meta in metas) else "real"
+                found[task.id, variant] = Source(JOIN.join(names), joined_hash([meta.hash for meta in metas]), kind)
             else:
                 found[task.id, variant] = _public(task.reads)
     return found
 
 
-def source_path(suite: Suite, out: Path, task_id: str, dataset: str) -> Path:
-    """Folder from which a task loads the dataset of that name."""
+def load_samples(suite: Suite, out: Path, task_id: str, dataset: str, features: FeatureCache) -> TaskData:
+    """Samples of a task from the dataset of that name."""
+    task, paths = TASKS.get(task_id), source_paths(suite, out, task_id, dataset)
+    if isinstance(task, SlipTask):
+        return load_slides(paths)
+    return task.load(paths[0], features, suite.backbone)
+
+
+def source_paths(suite: Suite, out: Path, task_id: str, dataset: str) -> tuple[Path, ...]:
+    """Folders from which a task loads the dataset of that name, which may join several."""
     task = TASKS.get(task_id)
-    if task.reads == "presses":
+    if task.reads_dataset:
         specs: Mapping[str, DatasetSpec] = {spec.id: spec for spec in suite.datasets}
-        return dataset_path(out, specs[dataset])
+        return tuple(dataset_path(out, specs[name]) for name in dataset_ids(dataset))
     from vtbench.data import data_root
 
-    return data_root(task.reads)
+    return (data_root(task.reads),)
+
+
+def joined_hash(hashes: list[str]) -> str:
+    """Content hash of several datasets together; of one its own."""
+    return hashes[0] if len(hashes) == 1 else hashlib.sha256("".join(hashes).encode()).hexdigest()
 
 
 def _public(name: str) -> Source:

@@ -7,11 +7,19 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field, JsonValue, field_validator, model_validator
 
 from vtbench.registry import unknown
+from vtbench.run.detection.methods import DETECTORS
 from vtbench.run.methods import METHODS
 from vtbench.tasks import TASKS
 
 DEFAULT_BACKBONE = "efficientnet-lite0"
+JOIN = "+"
+"""Between the ids of datasets that one variant reads together."""
 _ID = r"^[a-z0-9][a-z0-9_.-]*$"
+
+
+def dataset_ids(joined: str) -> list[str]:
+    """The datasets that a variant reads, from their joined name."""
+    return joined.split(JOIN)
 
 
 class _Part(BaseModel):
@@ -19,13 +27,13 @@ class _Part(BaseModel):
 
 
 class DatasetSpec(_Part):
-    """Presses to simulate, or a folder that holds a dataset.
+    """Presses or slides to simulate, or a folder that holds a dataset.
 
     Attributes:
         id: name of the dataset; entries find it as the variant of that name.
         scene: scene to simulate, such as `fvsight-press/hard`.
         path: folder of a dataset instead, relative to the current folder.
-        samples: number of presses, the scene's full protocol by default.
+        samples: number of presses or trials, the scene's full protocol by default.
         seed: run seed.
         truth: ground-truth fields to keep.
         set: values laid over the scene, by dotted key.
@@ -53,10 +61,11 @@ class Entry(_Part):
 
     Attributes:
         task: task id.
-        variants: protocols, each on the dataset of the same id, or a mapping of protocol to dataset id.
+        variants: protocols, each on the dataset of the same id, or a mapping of protocol to dataset id; a slip task
+            reads several, given as a list, together.
         splits: names of splits; those that the variant has, by default.
         modalities: names of feeds; all of the task by default.
-        methods: ids of registered methods or of the suite's own.
+        methods: ids of registered methods or of the suite's own; of a slip task ids of detectors.
         probes: methods that are fed the probes (true: all of `methods`).
         upper_lines: methods that are fed the upper lines.
     """
@@ -72,8 +81,15 @@ class Entry(_Part):
     @field_validator("variants", mode="before")
     @classmethod
     def _by_name(cls, value: Any) -> Any:
-        """A list of variants means datasets of the same ids."""
-        return dict.fromkeys(value) if isinstance(value, list | tuple) else value
+        """A list of variants means datasets of the same ids; a list of datasets is read together."""
+        if isinstance(value, list | tuple):
+            return dict.fromkeys(value)
+        if not isinstance(value, dict):
+            return value
+        return {
+            variant: JOIN.join(map(str, dataset)) if isinstance(dataset, list | tuple) else dataset
+            for variant, dataset in value.items()
+        }
 
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
@@ -138,13 +154,16 @@ class Suite(_Part):
         for name in self.methods:
             if name in METHODS:
                 raise ValueError(f"methods: {name!r} is the id of a built-in method, choose another")
-        known = [*METHODS.ids(), *self.methods]
         for entry in self.entries:
+            detects = TASKS.get(entry.task).reads == "slides"
+            known = [*DETECTORS.ids()] if detects else [*METHODS.ids(), *self.methods]
             for name in (*entry.methods, *entry.beside(entry.probes), *entry.beside(entry.upper_lines)):
                 if name not in known:
-                    raise unknown("method", name, known, METHODS.see)
-            if TASKS.get(entry.task).reads == "presses":
-                for variant, dataset in entry.variants.items():
-                    if (dataset or variant) not in ids:
-                        raise unknown(f"dataset of {entry.task}, variant {variant}:", dataset or variant, ids)
+                    kind, see = ("detector", DETECTORS.see) if detects else ("method", METHODS.see)
+                    raise unknown(kind, name, known, see)
+            if TASKS.get(entry.task).reads_dataset:
+                for variant, joined in entry.variants.items():
+                    for dataset in dataset_ids(joined or variant):
+                        if dataset not in ids:
+                            raise unknown(f"dataset of {entry.task}, variant {variant}:", dataset, ids)
         return self

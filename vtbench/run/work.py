@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from vtbench.run.cells import Cell
+from vtbench.run.detection.detect import DetectionWork
 from vtbench.run.evaluate import Work
+from vtbench.run.methods import Method
 from vtbench.tasks.base import NotPossibleError, Split, TaskData
+from vtbench.tasks.slides import SlideData, SlipTask
 
 
-def works_of(cells: Sequence[Cell], data: TaskData) -> tuple[list[Work], dict[str, str]]:
+def works_of(cells: Sequence[Cell], data: TaskData) -> tuple[list[Work | DetectionWork], dict[str, str]]:
     """Work of each cell that the data allow, and by key the reason for each that they do not allow."""
-    works: list[Work] = []
+    works: list[Work | DetectionWork] = []
     impossible: dict[str, str] = {}
     splits: dict[str, Split] = {}
     for cell in cells:
@@ -23,13 +26,21 @@ def works_of(cells: Sequence[Cell], data: TaskData) -> tuple[list[Work], dict[st
         except NotPossibleError as error:
             impossible[cell.key] = str(error)
             continue
+        samples = "|".join((*cell.group, cell.identity.dataset_hash))
+        if isinstance(data, SlideData) and isinstance(cell.task, SlipTask):
+            detector, feed = cell.method.id, cell.identity.modality
+            works.append(
+                DetectionWork(cell.key, detector, feed, splits[name], samples, data, cell.task, cell.timeout_s)
+            )
+            continue
+        assert isinstance(cell.method, Method)
         works.append(
             Work(
                 key=cell.key,
                 method=cell.method,
                 feed=cell.feed,
                 split=splits[name],
-                samples="|".join((*cell.group, cell.identity.dataset_hash)),
+                samples=samples,
                 blocks=blocks,
                 labels=data.labels,
                 ids=data.ids,

@@ -1,12 +1,19 @@
 """One benchmark task a file: data, splits, target, metrics, probes. A new one is a file here and a line below."""
 
 from vtbench.registry import Registry
-from vtbench.tasks import objects_deep, objects_interference, objects_pose, texture_fabricslide16
+from vtbench.tasks import (
+    objects_deep,
+    objects_interference,
+    objects_pose,
+    slip_fvsight,
+    slip_hard,
+    texture_fabricslide16,
+)
 from vtbench.tasks.base import Task
 
 TASKS: Registry[Task] = Registry("task", see="vtbench list tasks")
 
-for _file in (objects_deep, objects_interference, objects_pose, texture_fabricslide16):
+for _file in (objects_deep, objects_interference, objects_pose, texture_fabricslide16, slip_fvsight, slip_hard):
     TASKS.register(_file.TASK.id)(_file.TASK)
 
 __all__ = ["TASKS", "Task"]

@@ -176,7 +176,7 @@ class Task:
     Attributes:
         id: versioned; a change that can move a score takes a new version.
         about: one line for listings.
-        reads: a dataset of presses, or the public recordings of that name.
+        reads: a dataset of presses or of slides, or the public recordings of that name.
         load: (folder, feature cache, backbone) -> samples.
         variants: protocols by name.
         modalities: feeds that are compared.
@@ -186,7 +186,7 @@ class Task:
 
     id: str
     about: str
-    reads: Literal["presses", "fabricslide16"]
+    reads: Literal["presses", "slides", "fabricslide16", "biotacsp_stability_v2"]
     load: Callable[[Path, FeatureCache, str], TaskData]
     variants: Mapping[str, Variant]
     modalities: Mapping[str, Feed]
@@ -196,7 +196,12 @@ class Task:
     @property
     def kind(self) -> Literal["simulated", "real"]:
         """Whether the recordings are real where the suite does not bring its own."""
-        return "simulated" if self.reads == "presses" else "real"
+        return "simulated" if self.reads_dataset else "real"
+
+    @property
+    def reads_dataset(self) -> bool:
+        """Whether the suite says which dataset; public recordings say so themselves."""
+        return self.reads in ("presses", "slides")
 
     def feed(self, name: str) -> Feed:
         """The modality, probe or upper line of that name."""

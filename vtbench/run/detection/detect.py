@@ -1,0 +1,129 @@
+"""One cell of a slip task: thresholds from the training trials, scores of the test trials, fold by fold."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slip.delay import onset_delay
+from vtbench.run.detection.cost import cost_us
+from vtbench.run.detection.methods import BASELINE
+from vtbench.run.detection.thresholds import Fitted, fit, seen
+from vtbench.run.detection.traces import Trace, Traces, kept_rule, trace_of, trial_of
+from vtbench.run.evaluate import Outcome
+from vtbench.tasks.base import Fold, Split
+from vtbench.tasks.slides import SlideData, SlipTask
+
+
+@dataclass(frozen=True)
+class DetectionWork:
+    """All that a worker needs for one cell of a slip task; forces are read from their datasets."""
+
+    key: str
+    detector: str
+    feed: str
+    split: Split
+    samples: str
+    data: SlideData
+    task: SlipTask
+    timeout_s: float
+
+    def evaluate(self) -> Outcome:
+        """Run the cell; see `detect`."""
+        return detect(self)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A detector on a whole split: its threshold in each fold, and the trace of each test trial in fold order."""
+
+    fitted: list[Fitted]
+    traces: list[Trace]
+    seconds: float
+    samples: int
+
+
+_baselines: dict[tuple[str, str, str], Run] = {}
+
+
+def detect(work: DetectionWork) -> Outcome:
+    """Run one cell, and the energy baseline on the same terms beside it.
+
+    Returns:
+        an outcome with the arrays `sample_id`, `group`, `fold`, `label` (1 where an alarm is raised in a slip, or in a
+        trial without one), `held` and `held_length` (see `traces`), `beta` a fold, the same of the baseline, `cost_us`
+        (batch, stream) and `choices` (JSON a fold).
+    """
+    start = time.perf_counter()
+    own = run_detector(work.detector, work)
+    fitted_s = time.perf_counter() - start - own.seconds
+    name = (work.samples, work.split.name, work.feed)
+    if work.detector == BASELINE:
+        _baselines[name] = own
+    elif name not in _baselines:
+        _baselines[name] = run_detector(BASELINE, work)
+    beside = _baselines[name]
+    tested = np.concatenate([fold.test for fold in work.split.folds])
+    fold_of = np.concatenate([np.full(len(fold.test), at, np.int32) for at, fold in enumerate(work.split.folds)])
+    betas = np.array([each.beta / each.unit for each in own.fitted])
+    kept, kept_beside = Traces.of(own.traces), Traces.of(beside.traces)
+    first = next(work.data.each_force(tested[:1]))[1]
+    batch_us, stream_us = cost_us(own.fitted[0].detector, seen(first, work.feed))
+    return Outcome(
+        work.key,
+        "ok",
+        predictions={
+            "sample_id": work.data.ids[tested],
+            "group": work.split.interval_groups[tested],
+            "fold": fold_of,
+            "label": _called(work, tested, own.traces, betas[fold_of]),
+            "held": kept.values,
+            "held_length": kept.lengths,
+            "beta": betas,
+            "baseline_held": kept_beside.values,
+            "baseline_held_length": kept_beside.lengths,
+            "cost_us": np.array([batch_us, stream_us]),
+            "choices": np.array([json.dumps(each.note, sort_keys=True) for each in own.fitted]),
+        },
+        fit_s=fitted_s / len(work.split.folds),
+        predict_us=batch_us,
+    )
+
+
+def run_detector(name: str, work: DetectionWork) -> Run:
+    """A detector on every fold."""
+    fitted, traces, seconds, samples = [], [], 0.0, 0
+    for fold in work.split.folds:
+        found = fit(name, work.feed, work.data, fold.train, work.task.cfar_rate)
+        start = time.perf_counter()
+        traces += test_traces(found, work, fold)
+        seconds += time.perf_counter() - start
+        samples += sum(work.data.truth[trial].samples for trial in fold.test.tolist())
+        fitted.append(found)
+    return Run(fitted, traces, seconds, samples)
+
+
+def test_traces(found: Fitted, work: DetectionWork, fold: Fold) -> list[Trace]:
+    """Traces of a fold's test trials, in their order."""
+    rule = work.task.rule
+    by_trial = {
+        trial: trace_of(found.detector.score(seen(force, work.feed)) / found.unit, work.data.truth[trial], rule)
+        for trial, force in work.data.each_force(fold.test)
+    }
+    return [by_trial[trial] for trial in fold.test.tolist()]
+
+
+def _called(
+    work: DetectionWork, tested: NDArray[np.int64], traces: list[Trace], betas: NDArray[np.float64]
+) -> NDArray[np.int32]:
+    rule, called = kept_rule(work.task.rule), []
+    for trial, trace, beta in zip(tested.tolist(), traces, betas, strict=True):
+        truth = work.data.truth[trial]
+        made = trial_of(trace.astype(np.float64), truth, work.task.rule)
+        slipped = truth.onset is not None
+        called.append(np.isfinite(onset_delay(made, beta, rule)) if slipped else bool((made.score >= beta).any()))
+    return np.array(called, np.int32)
