@@ -135,7 +135,9 @@ def test_every_task_names_a_held_out_condition_and_probes() -> None:
         splits = {name for variant in task.variants.values() for name in variant.splits}
         assert "random" in splits
         assert any(name.startswith("held-out-") for name in splits)
-        assert {"shuffled-labels"} < set(task.probes)
+        assert task.probes
+        if task.reads != "slides":  # a detector of slip has no labels to shuffle
+            assert {"shuffled-labels"} < set(task.probes)
         for variant in task.variants.values():
             for feed in variant.laws:
                 task.feed(feed)
