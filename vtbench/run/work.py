@@ -26,7 +26,7 @@ def works_of(cells: Sequence[Cell], data: TaskData) -> tuple[list[Work | Detecti
         except NotPossibleError as error:
             impossible[cell.key] = str(error)
             continue
-        samples = "|".join((*cell.group, cell.identity.dataset_hash))
+        samples = "|".join((*cell.group, cell.identity.dataset_hash, cell.backbone))
         if isinstance(data, SlideData) and isinstance(cell.task, SlipTask):
             detector, feed = cell.method.id, cell.identity.modality
             works.append(
