@@ -63,7 +63,7 @@ def own_methods(suite: Suite) -> dict[str, Method]:
 
 def plan(
     suite: Suite,
-    sources: Mapping[tuple[str, str], Source],
+    sources: Mapping[tuple[str, str, str | None], Source],
     backbone: Mapping[str, str],
     methods: Mapping[str, Method],
 ) -> list[Cell]:
@@ -71,15 +71,15 @@ def plan(
 
     Args:
         suite: what to run.
-        sources: (task, variant) -> samples.
+        sources: (task, variant, dataset as the entry names it) -> samples.
         backbone: what decides the features of frames, part of the keys of cells that use them.
         methods: by id.
     """
     cells: dict[str, Cell] = {}
     for entry in suite.entries:
         task = TASKS.get(entry.task)
-        for variant in entry.variants:
-            source = sources[entry.task, variant]
+        for variant, dataset in entry.variants.items():
+            source = sources[entry.task, variant, dataset]
             for split, name, role, method in _grid(entry, task, variant, methods):
                 feed = task.feed(name)
                 identity = Identity(

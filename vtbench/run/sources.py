@@ -5,12 +5,18 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from vtbench.run.cells import Source
 from vtbench.run.suite import JOIN, DatasetSpec, Suite, dataset_ids
 from vtbench.tasks import TASKS
 from vtbench.tasks.base import FeatureCache, TaskData
 from vtbench.tasks.slides import SlipTask, load_slides
+
+if TYPE_CHECKING:
+    from sensors.scene import PressScene
+    from sensors.slide import SlipScene
+    from vtbench.data.meta import DatasetMeta
 
 
 def dataset_path(out: Path, spec: DatasetSpec) -> Path:
@@ -37,18 +43,21 @@ def prepare_datasets(suite: Suite, out: Path, jobs: int, progress: bool) -> None
         path = dataset_path(out, spec)
         if spec.id not in used:
             continue
-        if spec.scene is None or (path / "dataset.json").is_file():
+        if spec.scene is None:
             read_meta(path)
             continue
         from vtbench.config import load_scene
         from vtbench.data.opening import write_scene
 
         scene = load_scene(spec.scene, spec.set)
+        if (path / "dataset.json").is_file():
+            _check_same(path, read_meta(path), spec, scene)
+            continue
         write_scene(path, scene, samples=spec.samples, seed=spec.seed, jobs=jobs, truth=spec.truth, progress=progress)
 
 
-def find_sources(suite: Suite, out: Path) -> dict[tuple[str, str], Source]:
-    """Source of every (task, variant); one that is missing says why. Reads no sample."""
+def find_sources(suite: Suite, out: Path) -> dict[tuple[str, str, str | None], Source]:
+    """Source of every (task, variant, dataset) of the entries; one that is missing says why. Reads no sample."""
     from vtbench.data.meta import read_meta
 
     specs = {spec.id: spec for spec in suite.datasets}
@@ -60,9 +69,10 @@ def find_sources(suite: Suite, out: Path) -> dict[tuple[str, str], Source]:
                 names = dataset_ids(dataset or variant)
                 metas = [read_meta(dataset_path(out, specs[name])) for name in names]
                 kind = task.kind if all(meta.kind == "simulated" for meta in metas) else "real"
-                found[task.id, variant] = Source(JOIN.join(names), joined_hash([meta.hash for meta in metas]), kind)
+                source = Source(JOIN.join(names), joined_hash([meta.hash for meta in metas]), kind)
             else:
-                found[task.id, variant] = _public(task.reads)
+                source = _public(task.reads)
+            found[task.id, variant, dataset] = source
     return found
 
 
@@ -83,6 +93,22 @@ def source_paths(suite: Suite, out: Path, task_id: str, dataset: str) -> tuple[P
     from vtbench.data import data_root
 
     return (data_root(task.reads),)
+
+
+def _check_same(path: Path, meta: DatasetMeta, spec: DatasetSpec, scene: PressScene | SlipScene) -> None:
+    """Refuse a finished dataset that is not what the suite asks for."""
+    asked = {
+        "scene": scene.model_dump(mode="json"),
+        "samples": scene.n_samples if spec.samples is None else spec.samples,
+        "seed": spec.seed,
+        "truth": set(spec.truth),
+    }
+    there = {"scene": meta.scene, "samples": meta.samples, "seed": meta.seed, "truth": set(meta.truth)}
+    if differing := [name for name in asked if asked[name] != there[name]]:
+        raise ValueError(
+            f"{path}: its {', '.join(differing)} {'is' if len(differing) == 1 else 'are'} not what the suite asks for; "
+            "choose a new folder or delete this one"
+        )
 
 
 def joined_hash(hashes: list[str]) -> str:
