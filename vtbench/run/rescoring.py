@@ -9,7 +9,8 @@ from pathlib import Path
 from leaderboard.record import Record, read_predictions, read_records, write_record
 from vtbench.run.folder import read_suite
 from vtbench.run.records import scored
-from vtbench.run.sources import load_samples
+from vtbench.run.sources import find_sources, load_samples
+from vtbench.run.suite import Suite
 from vtbench.run.summary import RunSummary
 from vtbench.tasks.base import Features, NotPossibleError
 
@@ -34,6 +35,7 @@ def rescore(run_dir: Path | str) -> RunSummary:
     run_dir = Path(run_dir)
     suite = read_suite(run_dir)
     records = sorted(read_records(run_dir), key=_samples)
+    _check_unchanged(suite, run_dir, records)
     result: list[Record] = []
     done = 0
     for (task_id, _, dataset), group in groupby(records, key=_samples):
@@ -50,6 +52,18 @@ def rescore(run_dir: Path | str) -> RunSummary:
             result.append(again)
             done += 1
     return RunSummary.of(run_dir, result, done, time.perf_counter() - started)
+
+
+def _check_unchanged(suite: Suite, run_dir: Path, records: list[Record]) -> None:
+    """Refuse to score against other samples than those that were predicted; nothing is written before."""
+    sources = find_sources(suite, run_dir).items()
+    now = {(task, variant, source.dataset): source.hash for (task, variant, _), source in sources}
+    for record in records:
+        if record.status.state == "ok" and now.get(_samples(record)) != record.identity.dataset_hash:
+            raise ValueError(
+                f"{run_dir}: the dataset {record.identity.dataset!r} is not the one that was predicted; "
+                "bring the old one back, or run the suite again"
+            )
 
 
 def _samples(record: Record) -> tuple[str, str, str]:
