@@ -177,7 +177,6 @@ def test_a_suite_that_contradicts_itself_is_refused(changes, what):
         Suite.model_validate({**BASE, **changes})
 
 
-@pytest.mark.xfail(strict=True, reason="reductions are remembered by dataset, whatever network made the features")
 def test_two_backbones_on_the_same_presses_share_no_reductions():
     """A process that runs both, one after the other, must not take the first one's components for the second's."""
     from vtbench.run.work import works_of

@@ -87,7 +87,6 @@ def test_a_folder_that_is_no_run_is_one_clear_line(tmp_path):
     assert "suite.yaml" in one_line(tmp_path / "nowhere")
 
 
-@pytest.mark.xfail(strict=True, reason="rescore does not compare the dataset's hash with the record's")
 def test_samples_that_changed_since_are_refused_and_no_record_is_rewritten(finished):
     """Other presses under the same ids would score against the wrong truth."""
     out, _, data = finished

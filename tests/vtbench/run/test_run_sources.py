@@ -82,14 +82,12 @@ def test_a_finished_dataset_is_not_written_again(two_presses):
     assert find_sources(simulated(), two_presses) == before
 
 
-@pytest.mark.xfail(strict=True, reason="a finished dataset is not compared with what the suite now asks for")
 @pytest.mark.parametrize("change", [{"samples": 3}, {"seed": 1}, {"scene": "fvsight-press/hard"}])
 def test_a_dataset_changed_in_the_suite_is_refused_and_not_silently_the_old_one(two_presses, change):
     with pytest.raises(ValueError, match="own"):
         prepare_datasets(simulated(**change), two_presses, 1, False)
 
 
-@pytest.mark.xfail(strict=True, reason="sources are kept by task and variant, the last dataset wins")
 def test_one_protocol_on_two_datasets_gives_the_cells_of_both(tmp_path):
     one, two = (small.write(tmp_path / name, seed=seed) for name, seed in (("a", 1), ("b", 2)))
     suite = small.suite(one).model_dump()
