@@ -15,6 +15,8 @@ from leaderboard.contents import BoardTables, board_tables
 from leaderboard.page import render_page
 from leaderboard.record import Record
 from leaderboard.sections import laws_view, pose_view, probe_views, result_view
+from leaderboard.slip_tables import metrics_frame
+from leaderboard.slip_views import slip_views, table_iv
 from leaderboard.text import escape_markdown, markdown_table
 
 TITLE = "vtbench: touch and vision, scored on the same terms"
@@ -75,12 +77,14 @@ def render_markdown(tables: BoardTables, title: str, generated: datetime) -> str
     parts = [f"# {escape_markdown(title)}\n", f"{generated:%Y-%m-%d}. {SIMULATED}\n"]
     if tables.notices:
         parts.append("".join(f"- **{n.kind}**: {escape_markdown(n.text)}\n" for n in tables.notices))
-    if tables.papers:
+    if tables.papers or any(table_iv(block) for block in tables.slips):
         parts.append("## The paper's tables\n")
         parts += [markdown_table(result_view(table, tables.machines)) for table in tables.papers]
+    parts += [markdown_table(view) for block in tables.slips if (view := table_iv(block)) is not None]
     for group in tables.groups:
         parts.append(f"## {escape_markdown(group.task)} ({group.kind})\n")
         views = [result_view(table, tables.machines) for table in group.tables]
+        views += [view for block in tables.slips if block.task == group.task for view in slip_views(block)]
         parts += [markdown_table(view) for view in ([pose_view(group.curve)] if len(group.curve) else []) + views]
     if len(tables.probes):
         parts.append("## What should not suffice\n")
@@ -100,6 +104,7 @@ def csv_tables(tables: BoardTables) -> dict[str, pd.DataFrame]:
             name += "x"
         named[name] = table.frame
     named |= {"probes": tables.probes, "laws": tables.laws, "pose": tables.pose, "speed": tables.speed}
+    named |= {"slip": metrics_frame(tables.slips)}
     return {name: frame for name, frame in named.items() if len(frame)}
 
 

@@ -6,6 +6,7 @@ import textwrap
 
 from leaderboard.contents import BoardTables
 from leaderboard.sections import laws_view, pose_view, probe_views, result_view
+from leaderboard.slip_views import slip_views, table_iv
 from leaderboard.text import console_table, printable
 from leaderboard.views import View
 
@@ -15,6 +16,7 @@ WIDTH = 110
 def format_console(tables: BoardTables) -> str:
     """Return compact tables and notices as text; the page has the notes, plots and records."""
     parts = [_titled(result_view(table, tables.machines), table.kind) for table in tables.papers]
+    parts += [_titled(view, view.kind) for block in tables.slips if (view := table_iv(block)) is not None]
     for group in tables.groups:
         if len(group.curve):
             parts.append(_titled(pose_view(group.curve), group.kind, f"{group.task}, accuracy by unknown shift"))
@@ -22,6 +24,8 @@ def format_console(tables: BoardTables) -> str:
             _titled(result_view(table, tables.machines), table.kind, f"{table.task}, {table.variant}")
             for table in group.tables
         ]
+        slips = [block for block in tables.slips if block.task == group.task]
+        parts += [_titled(view, group.kind) for block in slips for view in slip_views(block, conditions=False)]
     for view in probe_views(tables.probes):
         parts.append(_titled(view, "what should not suffice", f"Probes of {view.title}"))
     if len(tables.laws):

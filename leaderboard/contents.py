@@ -14,6 +14,7 @@ from leaderboard.curves import CURVE, pose_curve, speed_table
 from leaderboard.frame import records_frame, records_of
 from leaderboard.names import METHODS, MODALITIES, title
 from leaderboard.record import Record
+from leaderboard.slip_tables import SlipBlock, slip_blocks, verdicts
 from leaderboard.tables import ResultTable, paper_tables, task_tables
 from leaderboard.views import brief
 
@@ -49,6 +50,7 @@ class BoardTables:
     speed: pd.DataFrame
     notices: tuple[Notice, ...]
     machines: dict[str, str]
+    slips: tuple[SlipBlock, ...] = ()
 
     @property
     def groups(self) -> list[TaskGroup]:
@@ -68,7 +70,9 @@ class BoardTables:
 
 def board_tables(records: Iterable[Record], problems: Sequence[str] = ()) -> BoardTables:
     """Return all tables of the records; `problems` are lines of `scan_records` about files that could not be read."""
+    records = list(records)
     cells = records_frame(records)
+    slips = slip_blocks(records)
     probes, laws = probes_table(cells), laws_table(cells)
     return BoardTables(
         cells=cells,
@@ -78,9 +82,16 @@ def board_tables(records: Iterable[Record], problems: Sequence[str] = ()) -> Boa
         laws=laws,
         pose=pose_curve(cells),
         speed=speed_table(cells),
-        notices=tuple(_notices(cells, probes, laws, problems)),
+        notices=(*_notices(cells, probes, laws, problems), *_slip_notices(slips)),
         machines=dict(zip(dict.fromkeys(cells["fingerprint"]), _letters(), strict=False)),
+        slips=slips,
     )
+
+
+def _slip_notices(blocks: Sequence[SlipBlock]) -> Iterable[Notice]:
+    for block in blocks:
+        for sentence in verdicts(block):
+            yield Notice("beside the baseline", sentence)
 
 
 def _notices(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-METHODS = {
+CLASSIFIERS = {
     "ksc": "KSC",
     "jksc": "JKSC",
     "jksc-independent": "JKSC, independent",
@@ -13,6 +13,19 @@ METHODS = {
     "ipca-wknn": "incremental PCA + weighted kNN",
     "svm": "SVM",
 }
+DETECTORS = {
+    "covariance": "covariance",
+    "covariance-taxel": "covariance, taxel side",
+    "covariance-mean-removed": "covariance, mean removed",
+    "covariance-load-removed": "covariance, load removed",
+    "covariance-load-ratio": "covariance, load ratio",
+    "energy": "energy",
+    "energy-load-removed": "energy, load removed",
+    "spectral": "high-band energy",
+    "neural-force": "network, force",
+    "neural-force-frames": "network, force + frames",
+}
+METHODS = CLASSIFIERS | DETECTORS
 MODALITIES = {
     "force": "force",
     "image": "image",
@@ -22,11 +35,15 @@ MODALITIES = {
     "fused-change": "force + image change",
     "spectrum": "spectrum",
     "coefficients": "Fourier coefficients",
+    "prior": "force, β from an earlier slip",
+    "cfar": "force, β for a rate of false alarms",
+    "electrodes": "electrodes",
     "load-centroid": "load centroid only",
     "total-force": "total force only",
     "rest-frame": "frame without contact",
     "mean-levels": "mean levels only",
     "proximity": "proximity channels only",
+    "palm-pose": "palm pose only",
     "shuffled-labels": "shuffled labels",
     "true-displacement": "true displacement field",
 }
@@ -35,6 +52,8 @@ SPLITS = {
     "held-out-unit": "held-out unit",
     "held-out-setting": "held-out grip setting",
     "held-out-session": "held-out session",
+    "held-out-object": "held-out object",
+    "published": "published split, unseen objects",
 }
 VARIANTS = ("paper", "default", "hard", "public", "own", "no-variation")
 ROLES = ("method", "upper-line", "probe", "law")

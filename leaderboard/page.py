@@ -16,6 +16,10 @@ from leaderboard.paper import CITATION
 from leaderboard.plots import Figure, pose_figure, speed_figure
 from leaderboard.record import Metric, Record, canonical_json
 from leaderboard.sections import laws_view, pose_view, probe_views, result_view
+from leaderboard.slip_cells import delay_text
+from leaderboard.slip_plot import delay_figure
+from leaderboard.slip_tables import SlipBlock
+from leaderboard.slip_views import split_views, table_iv
 from leaderboard.tables import ResultTable
 from leaderboard.views import View, brief, microseconds, number, span
 
@@ -78,7 +82,8 @@ def render_page(records: Sequence[Record], tables: BoardTables, title: str, gene
         title=title,
         generated=generated,
         notices=tables.notices,
-        papers=[_part(table, tables, f"paper-{i}") for i, table in enumerate(tables.papers)],
+        papers=[_part(table, tables, f"paper-{i}") for i, table in enumerate(tables.papers)]
+        + [Part(view, None) for block in tables.slips if (view := table_iv(block)) is not None],
         citation=CITATION,
         sections=_sections(tables),
         probes=probe_views(tables.probes),
@@ -112,7 +117,17 @@ def _group_parts(group: TaskGroup, tables: BoardTables, name: str) -> Iterator[P
     if len(group.curve):
         yield Part(pose_view(group.curve), pose_figure(group.curve, name), folded=True)
     for at, table in enumerate(group.tables):
-        yield _part(table, tables, f"{name}-{at}")
+        part = _part(table, tables, f"{name}-{at}")
+        # a detector's cost stands against its delay, not against its misses
+        yield Part(part.view, None) if group.task.startswith("slip/") else part
+    for at, block in enumerate(block for block in tables.slips if block.task == group.task):
+        yield from _slip_parts(block, f"{name}-slip-{at}")
+
+
+def _slip_parts(block: SlipBlock, name: str) -> Iterator[Part]:
+    for split in block.splits:
+        for at, view in enumerate(split_views(block, split)):
+            yield Part(view, delay_figure(block, split, f"{name}-{split}") if at == 0 else None)
 
 
 def _details(records: Sequence[Record], places: dict[str, Place]) -> dict[str, list[Detail]]:
@@ -175,6 +190,9 @@ def _outcome(record: Record) -> str:
 
 
 def _metric(metric: Metric) -> tuple[str, str, str, str]:
+    if metric.unit == "ms" and metric.low is not None and metric.high is not None:
+        ends = f"{delay_text(metric.low)} to {delay_text(metric.high)}"
+        return metric.name, f"{delay_text(metric.value)} ms", ends, f"{metric.n} trials, {metric.interval}"
     scale, digits, unit = (100, 1, " %") if metric.unit == "fraction" else (1, 3, f" {metric.unit}")
     low, high = (None if end is None else scale * end for end in (metric.low, metric.high))
     how = f"{metric.n} predictions, {metric.groups} groups" + (f", {metric.interval}" if metric.interval else "")

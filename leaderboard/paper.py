@@ -20,7 +20,7 @@ ASSUMPTION = (
 )
 CITATION = (
     "FVSight: “A novel tactile sensor with multimodal vision and tactile units for multifunctional robot interaction”, "
-    "tables II and III"
+    "tables II to IV"
 )
 
 

@@ -5,7 +5,7 @@ A method has one colour and one shape on the whole page, so that neither has to 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from leaderboard import svg
 from leaderboard.frame import Row, records_of
-from leaderboard.names import METHODS, MODALITIES, SPLITS, order, title
+from leaderboard.names import CLASSIFIERS, DETECTORS, METHODS, MODALITIES, SPLITS, order, title
 from leaderboard.svg import Scale
 from leaderboard.views import microseconds, number, span
 
@@ -75,7 +75,7 @@ def speed_figure(speed: pd.DataFrame, name: str) -> Figure | None:
         caption="Lower left is better. Time is the method alone, a sample on one thread, on a logarithmic axis; "
         f"whiskers are 95 % intervals; panels of a row share their axes.{beside}",
         strips=tuple(strips),
-        legend=_legend(rows),
+        legend=legend(row["method"] for row in rows),
     )
 
 
@@ -84,14 +84,14 @@ def _speed_panel(rows: Sequence[Row], modality: str, x_range: tuple[float, float
     head = title(MODALITIES, modality)
     parts = [svg.frame(x, y, head, "time a sample", f"error, {rows[0]['unit']}", _duration)]
     for row in rows:
-        at, (css, _) = x(row["predict_us"]), _style(row["method"])
+        at, (css, _) = x(row["predict_us"]), style(row["method"])
         if row["error_low"] is not None:
             parts.append(svg.whisker(at, y(max(0, row["error_low"])), y(row["error_high"]), css))
         if row["predict_low_us"] and row["predict_high_us"]:
             ends = [min(max(row[f"predict_{end}_us"], x.low), x.high) for end in ("low", "high")]
             parts.append(svg.line(x(ends[0]), y(row["error"]), x(ends[1]), y(row["error"]), f"whisker {css}"))
     for row in rows:
-        css, shape = _style(row["method"])
+        css, shape = style(row["method"])
         parts.append(svg.mark(x(row["predict_us"]), y(row["error"]), shape, css, _tip(row)))
     return svg.drawing(WIDTH, HEIGHT, f"Error against speed, {head}", Markup("").join(parts))
 
@@ -119,7 +119,7 @@ def pose_figure(curve: pd.DataFrame, name: str) -> Figure | None:
         caption="Each press is shifted by up to so many millimetres that no training press tells; whiskers are 95 % "
         "intervals, set side by side.",
         strips=tuple(strips),
-        legend=(*_legend(methods), *dashed),
+        legend=(*legend(row["method"] for row in methods), *dashed),
     )
 
 
@@ -134,7 +134,7 @@ def _pose_panel(rows: Sequence[Row], upper: Sequence[Row], modality: str, shifts
     groups = _grouped(sorted(rows, key=lambda row: row["jitter_mm"]), "method")
     marks = []
     for place, ((method,), points) in enumerate(groups):
-        dodge, (css, shape) = 2.5 * (place - (len(groups) - 1) / 2), _style(method)
+        dodge, (css, shape) = 2.5 * (place - (len(groups) - 1) / 2), style(method)
         placed = [(x(row["jitter_mm"]) + dodge, y(row["value"]), row) for row in points]
         parts.append(svg.polyline([(px, py) for px, py, _ in placed], f"curve {css}"))
         parts += [
@@ -156,18 +156,20 @@ def _grouped(rows: Sequence[Row], *names: str) -> list[tuple[tuple[str, ...], li
     )
 
 
-def _style(method: str) -> tuple[str, int]:
-    """Return the style class and the shape of a method."""
-    names = list(METHODS)
-    index = names.index(method) if method in names else OWN_STYLE
-    return f"s{index}", index
+def style(method: str) -> tuple[str, int]:
+    """Return the style class and the shape of a method; classifiers and detectors never share a plot."""
+    for names in (list(CLASSIFIERS), list(DETECTORS)):
+        if method in names:
+            colour, lap = names.index(method) % len(svg.SHAPES), names.index(method) // len(svg.SHAPES)
+            return f"s{colour}", (colour + 3 * lap) % len(svg.SHAPES)
+    return f"s{OWN_STYLE}", OWN_STYLE
 
 
-def _legend(rows: Sequence[Row]) -> tuple[Key, ...]:
-    names = sorted({row["method"] for row in rows}, key=lambda name: order(METHODS, name))
+def legend(methods: Iterable[str]) -> tuple[Key, ...]:
+    """Return what colours and shapes stand for, in the board's order."""
     keys = []
-    for name in names:
-        css, shape = _style(name)
+    for name in sorted(set(methods), key=lambda name: order(METHODS, name)):
+        css, shape = style(name)
         keys.append(Key(title(METHODS, name), css, svg.SHAPES[shape]))
     return tuple(keys)
 

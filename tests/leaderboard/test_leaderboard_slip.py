@@ -1,0 +1,141 @@
+"""Slip records on the board: the paper beside ours, the baseline beside all, no verdict from an area."""
+
+import re
+from datetime import UTC, datetime
+
+import pytest
+
+from leaderboard import board_tables, build_board, format_console
+from leaderboard.record import Metric
+from leaderboard.slip_plot import delay_figure
+from leaderboard.slip_tables import metrics_frame, slip_blocks, verdicts
+from leaderboard.slip_views import slip_views, table_iv
+from leaderboard.slips import MISSED_MS
+from leaderboard.text import console_table
+
+SHAPES = ("ball", "cuboid", "cylinder")
+
+
+def share(name, found, of=20):
+    return Metric(name=name, value=found / of, n=of, groups=of, low=0.0, high=1.0, interval="Wilson")
+
+
+def ms(name, value, low, high):
+    return Metric(name=name, value=value, unit="ms", direction="lower", n=60, groups=60, low=low, high=high)
+
+
+def amount(name, value, unit="µs a sample"):
+    return Metric(name=name, value=value, unit=unit, direction="lower", n=1, groups=1)
+
+
+@pytest.fixture
+def slip_record(make_record):
+    def make(method="covariance", difference=(5.0, 2.0, 9.0), delay=40.0, minutes=45.0, **identity):
+        who = {"task": "slip/fvsight/v1", "variant": "paper", "modality": "prior", "split": "held-out-object"}
+        record = make_record(method=method, **{**who, **identity})
+        metrics = [share("detected", 57, 60), share("false_alarm_trials", 4, 60)]
+        metrics += [share(f"detected[object={shape}]", 19) for shape in SHAPES]
+        for rate in (1.0, 10.0):
+            metrics += [
+                amount(f"expected_alarms@{rate:g}", rate * minutes, "alarms"),
+                share(f"detected@{rate:g}", 50, 60),
+                ms(f"delay_ms@{rate:g}", delay, delay, max(delay, 90.0)),
+                ms(f"delay_minus_energy_ms@{rate:g}", *difference),
+                *(ms(f"delay_ms@{rate:g}[speed={speed}]", delay, delay, delay) for speed in ("2 mm/s", "10 mm/s")),
+                *(share(f"detected@{rate:g}[speed={speed}]", 15) for speed in ("2 mm/s", "10 mm/s")),
+            ]
+        metrics += [amount("batch_us", 0.9), amount("stream_us", 9.0), amount("roc_area", 0.99, "area")]
+        return record.model_copy(update={"metrics": tuple(metrics)})
+
+    return make
+
+
+def block(*records):
+    (only,) = slip_blocks(records)
+    return only
+
+
+def text(view):
+    return console_table(view, 1000)
+
+
+def test_the_papers_table_stands_above_ours_with_intervals(slip_record):
+    view = table_iv(block(slip_record(), slip_record("energy", (0.0, 0.0, 0.0))))
+    lines = text(view).splitlines()
+    assert "20/20" in lines[2]
+    assert "19/20 95 %, 76.4–99.1" in " ".join(lines[2].split())
+    assert "59/60" in lines[2]
+    assert sum("19/20" in line for line in lines[3:]) == 2
+    assert "4/60" in text(view)
+
+
+def test_only_the_papers_protocol_has_table_iv(slip_record):
+    assert table_iv(block(slip_record(task="slip/hard/v1", variant="hard"))) is None
+
+
+@pytest.mark.parametrize(
+    ("difference", "said"),
+    [
+        ((5.0, 2.0, 9.0), "it loses (+2 to +9 ms)"),
+        ((-5.0, -9.0, -2.0), "it alarms earlier (−9 to −2 ms)"),
+        ((5.0, -2.0, 9.0), "no difference (−2 to +9 ms)"),
+        ((MISSED_MS, 4.0, MISSED_MS), "it loses (+4 to +∞ ms)"),
+    ],
+)
+def test_the_verdict_is_the_paired_interval_of_the_delays_whatever_the_area(slip_record, difference, said):
+    (sentence,) = verdicts(block(slip_record(difference=difference), slip_record("energy", (0.0, 0.0, 0.0))))
+    assert said in sentence
+    assert "area" not in sentence
+
+
+def test_two_that_miss_most_slips_are_not_called_equal(slip_record):
+    record = slip_record(difference=(0.0, 0.0, 0.0), delay=MISSED_MS)
+    assert "both miss most slips" in verdicts(block(record))[0]
+    (view, *_) = slip_views(block(record))
+    assert "∞" in text(view)
+
+
+def test_a_rate_that_the_trials_do_not_support_is_marked(slip_record):
+    (view, *_) = slip_views(block(slip_record(minutes=4.0)))
+    heads = [column.title for column in view.columns]
+    assert "Delay at 1/min, ms †" in heads
+    assert "Delay at 10/min, ms" in heads
+    assert any(note.startswith("† 1 a minute") for note in view.notes)
+    assert "too little time to support the rate" in verdicts(block(slip_record(minutes=4.0)))[0]
+
+
+def test_the_board_says_it_all_and_the_console_less(slip_record, tmp_path):
+    records = [slip_record(), slip_record("energy", (0.0, 0.0, 0.0)), slip_record("spectral", delay=70.0)]
+    files = build_board(records, tmp_path, generated=datetime(2026, 1, 2, tzinfo=UTC))
+    for page in (files.html.read_text(), files.markdown.read_text()):
+        for words in ("Table IV of the paper beside ours", "Delay at fixed false alarms", "By speed", "it loses"):
+            assert words in page
+    assert "Delay against cost" in files.html.read_text()
+    assert any(path.name == "slip.csv" for path in files.csv)
+    printed = format_console(board_tables(records))
+    assert "Delay at fixed false alarms" in printed
+    assert "By speed" not in printed
+
+
+def test_every_metric_is_in_the_csv_by_its_parts(slip_record):
+    record = slip_record()
+    frame = metrics_frame([block(record)])
+    assert len(frame) == len(record.metrics)
+    by_speed = frame[(frame["what"] == "delay_ms") & (frame["per_minute"] == 10.0) & (frame["factor"] == "speed")]
+    assert by_speed["level"].tolist() == ["2 mm/s", "10 mm/s"]
+
+
+def test_the_newest_record_of_a_cell_counts(slip_record):
+    old, new = slip_record(delay=40.0), slip_record(delay=50.0, seed=1)
+    moved = new.provenance.model_copy(update={"started": datetime(2027, 1, 1, tzinfo=UTC)})
+    assert block(new.model_copy(update={"provenance": moved}), old).of("held-out-object")[0].identity.seed == 1
+
+
+def test_a_detector_that_misses_everything_stays_inside_its_panel(slip_record):
+    figure = delay_figure(
+        block(slip_record(delay=MISSED_MS), slip_record("energy", (0.0, 0.0, 0.0))), "held-out-object", "x"
+    )
+    assert figure is not None
+    drawn = "".join(str(panel) for strip in figure.strips for panel in strip.panels)
+    assert "∞" in drawn
+    assert not any(float(y) < 0 for y in re.findall(r'y[12]?="(-?[\d.]+)"', drawn))
