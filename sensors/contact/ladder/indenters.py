@@ -1,0 +1,23 @@
+"""The classes of indenter that the ladder is measured with, in units of the pad's thickness."""
+
+from __future__ import annotations
+
+from sensors.contact.neohookean.surface import SweptSurface
+
+INDENTER_CLASSES: dict[str, SweptSurface] = {
+    "sphere": SweptSurface(tip_radius_m=2.0),
+    "flat-punch": SweptSurface(tip_radius_m=0.3, core_radius_m=0.7),
+    "edge": SweptSurface(tip_radius_m=0.5, half_length_m=1.0),
+    "cylinder": SweptSurface(tip_radius_m=1.5, half_length_m=1.0),
+}
+"""Radius of the rounded edge, half length of the segment and radius of the flat core, each over the thickness."""
+
+
+def indenter(indenter_class: str, thickness_m: float) -> SweptSurface:
+    """The representative of a class for a pad of `thickness_m`; ValueError for an unknown class."""
+    if indenter_class not in INDENTER_CLASSES:
+        raise ValueError(f"unknown indenter class {indenter_class!r}; known: {', '.join(INDENTER_CLASSES)}")
+    unit = INDENTER_CLASSES[indenter_class]
+    return SweptSurface(
+        unit.tip_radius_m * thickness_m, unit.half_length_m * thickness_m, unit.core_radius_m * thickness_m
+    )

@@ -1,0 +1,244 @@
+"""The ladder: one interface over all rungs, a chooser that obeys its table, and the measurement behind it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sensors.contact.grid import Grid
+from sensors.contact.ladder import (
+    INDENTER_CLASSES,
+    RUNGS,
+    Pad,
+    choose_rung,
+    committed_table,
+    get_rung,
+    indenter,
+    measure_ladder,
+    read_table,
+    write_table,
+)
+from sensors.contact.ladder.flat import LayerRung
+from sensors.contact.ladder.measure import displacement_error, sample
+from sensors.contact.ladder.solid import NeoHookeanRung
+from sensors.contact.layer import LayerMaterial
+from sensors.contact.neohookean import GridSurface
+
+H = 3e-3
+PAD = Pad(LayerMaterial(H, 1e5, 0.45), 8 * H)
+COARSE = NeoHookeanRung("coarse", 6, 3, n=64)
+SMALL = [RUNGS["winkler"], RUNGS["layer-64"], RUNGS["layer-128"], COARSE]
+
+
+@pytest.fixture(scope="module")
+def table():
+    return committed_table()
+
+
+def everywhere(table):
+    """Every pad and class of the committed table."""
+    keys = {(row.poisson_ratio, row.side_ratio, row.indenter) for row in table.rows}
+    return [(Pad(LayerMaterial(H, 1e5, nu), side * H), name) for nu, side, name in sorted(keys)]
+
+
+@pytest.mark.parametrize("rung", SMALL, ids=lambda rung: rung.name)
+@pytest.mark.parametrize("name", ["sphere", "flat-punch"])
+def test_every_rung_presses_to_depths_and_by_loads_alike(rung, name):
+    opened, surface = rung.open(PAD, name), indenter(name, H)
+    path = list(opened.press_depths(surface, [0.05 * H, 0.15 * H]))
+    forces = [one.force_n for one in path]
+    assert 0 < forces[0] < forces[1]
+    for one in path:
+        assert one.pressure.sum() * one.grid.cell_area_m2 == pytest.approx(one.force_n, rel=1e-4)
+        assert (one.pressure >= 0).all()
+        assert one.displacement.max() == pytest.approx(one.indentation_m, rel=0.15)
+    again = list(opened.press_loads(surface, forces))
+    assert [one.indentation_m for one in again] == pytest.approx([0.05 * H, 0.15 * H], rel=5e-3)
+
+
+def test_rungs_agree_within_a_few_per_cent_and_know_their_names():
+    surface = indenter("sphere", H)
+    forces = [next(rung.open(PAD, "sphere").press_depths(surface, [0.1 * H])).force_n for rung in SMALL[1:]]
+    assert forces == pytest.approx([forces[0]] * 3, rel=0.05)
+    assert all(get_rung(name).name == name for name in RUNGS)
+    with pytest.raises(ValueError, match="known: winkler"):
+        get_rung("layer-65")
+
+
+def test_a_heightfield_off_centre_is_pressed_on_the_whole_pad():
+    """The same sphere 0.5 h aside: same force as at the centre, displacement moved with it."""
+    grid = Grid(96, 8 * H)
+    x, y = grid.coordinates()
+    aside = GridSurface(grid, indenter("sphere", H).jet(x - 0.5 * H, y).gap, 3 * H)
+    for rung in (RUNGS["layer-64"], NeoHookeanRung("whole", 6, 2, n=64)):
+        response = next(rung.open(PAD, "sphere").press_depths(aside, [0.2 * H]))
+        centred = next(rung.open(PAD, "sphere").press_depths(indenter("sphere", H), [0.2 * H]))
+        assert response.force_n == pytest.approx(centred.force_n, rel=0.1)
+        cx, _ = response.grid.coordinates()
+        mass = np.maximum(response.displacement, 0)
+        assert (mass * cx).sum() / mass.sum() == pytest.approx(0.5 * H, abs=0.1 * H)
+
+
+def test_the_table_covers_every_rung_pad_and_class(table):
+    for pad, name in everywhere(table):
+        rungs = {
+            row.rung
+            for row in table.rows
+            if (row.poisson_ratio, row.indenter) == (pad.material.poisson_ratio, name)
+            and row.side_ratio == pytest.approx(pad.side_ratio)
+        }
+        assert {"layer-64", "layer-128", "layer-fine", "winkler", "neohookean"} == rungs
+    assert {name for _, name in everywhere(table)} == set(INDENTER_CLASSES)
+
+
+def test_the_committed_table_is_what_the_flat_rungs_do_today(table):
+    """The layer's errors against winkler's in the table, measured again without the reference."""
+    surface, depths = indenter("sphere", H), [ratio * H for ratio in table.depth_ratios]
+    layer, springs = (
+        [one.force_n for one in get_rung(name).open(PAD, "sphere").press_depths(surface, depths)]
+        for name in ("layer-128", "winkler")
+    )
+    by_rung = {
+        row.rung: 1 + np.array(row.force_error)
+        for row in table.rows
+        if (row.poisson_ratio, row.side_ratio, row.indenter) == (0.45, 8.0, "sphere")
+    }
+    assert np.array(springs) / layer == pytest.approx(by_rung["winkler"] / by_rung["layer-128"], rel=2e-3)
+
+
+def test_the_choice_is_within_the_bounds_and_nothing_cheaper_is(table):
+    for pad, name in everywhere(table):
+        for force, shape in [(0.5, 2.0), (0.08, 0.12), (0.04, 0.5)]:
+            try:
+                choice = choose_rung(pad, name, force, shape)
+            except ValueError:
+                continue
+            assert choice.force_error <= force
+            assert choice.displacement_error <= shape
+            own = (pad.material.poisson_ratio, name)
+            moved = next(row for row in table.reference_change if (row.poisson_ratio, row.indenter) == own)
+            for row in table.rows:
+                same_pad = row.side_ratio == pytest.approx(pad.side_ratio)
+                if (row.poisson_ratio, row.indenter) == own and same_pad and row.cost_ms < choice.cost_ms:
+                    forces = np.abs(row.force_error) + np.abs(moved.force_error)
+                    shapes = np.array(row.displacement_error) + moved.displacement_error
+                    assert forces.max() > force or shapes.max() > shape
+
+
+def test_changing_the_bound_changes_the_rung(table):
+    loose = choose_rung(PAD, "sphere", 2.0, 2.0)
+    tight = choose_rung(PAD, "sphere", 0.07, 0.2)
+    tightest = choose_rung(PAD, "sphere", 0.02, 0.04)
+    assert loose.rung == "winkler"
+    assert tight.rung.startswith("layer")
+    assert tightest.rung == "neohookean"
+    assert loose.cost_ms < tight.cost_ms < tightest.cost_ms
+
+
+def test_a_spoilt_entry_changes_the_choice(table):
+    bounds = (PAD, "sphere", 0.07, 0.2)
+    before = choose_rung(*bounds, table=table)
+    for spoil in ({"force_error": (0.01, 0.01, 0.01, 0.5)}, {"displacement_error": (0.9, 0.0, 0.0, 0.0)}):
+        rows = tuple(replace(row, **spoil) if row.rung == before.rung else row for row in table.rows)
+        assert choose_rung(*bounds, table=replace(table, rows=rows)).rung != before.rung
+    rows = tuple(replace(row, cost_ms=1e6) if row.rung == before.rung else row for row in table.rows)
+    assert choose_rung(*bounds, table=replace(table, rows=rows)).rung != before.rung
+
+
+def test_shallow_presses_count_shallow_errors_only(table):
+    shallow = choose_rung(PAD, "sphere", 0.5, 2.0, depth_ratio=0.1)
+    row = next(
+        row
+        for row in table.rows
+        if (row.rung, row.poisson_ratio, row.side_ratio, row.indenter) == (shallow.rung, 0.45, 8.0, "sphere")
+    )
+    deep = choose_rung(PAD, "sphere", 0.5, 2.0)
+    assert shallow.rung == deep.rung == row.rung
+    assert max(map(abs, row.force_error[:2])) <= shallow.force_error <= deep.force_error
+
+
+def test_a_reference_that_still_moves_counts_against_every_rung(table):
+    """No rung may be called better than what it was measured against."""
+    tight = (PAD, "sphere", 0.07, 0.2)
+    loose = tuple(replace(row, force_error=(0.2,) * 4) for row in table.reference_change)
+    with pytest.raises(ValueError, match="no contact rung"):
+        choose_rung(*tight, table=replace(table, reference_change=loose))
+
+
+def test_modulus_and_scale_do_not_matter_and_between_sides_the_wider_counts(table):
+    bounds = ("cylinder", 0.1, 0.2)
+    scaled = Pad(LayerMaterial(11 * H, 7e6, 0.45), 88 * H)
+    assert choose_rung(scaled, *bounds) == choose_rung(PAD, *bounds)
+    between, widest = (Pad(PAD.material, side * H) for side in (9, 16))
+    assert choose_rung(between, *bounds) == choose_rung(widest, *bounds)
+
+
+@pytest.mark.parametrize(
+    ("pad", "name", "bounds", "message"),
+    [
+        (PAD, "spoon", (0.1, 0.1), "unknown indenter class"),
+        (PAD, "sphere", (1e-6, 1e-6), "no contact rung"),
+        (PAD, "sphere", (0.0, 0.1), "positive"),
+        (Pad(LayerMaterial(H, 1e5, 0.2), 8 * H), "sphere", (0.1, 0.1), "poisson_ratio"),
+        (Pad(PAD.material, 200 * H), "sphere", (0.1, 0.1), "side over its thickness"),
+        (Pad(PAD.material, 2 * H), "sphere", (0.1, 0.1), "side over its thickness"),
+    ],
+)
+def test_what_was_not_measured_is_refused(pad, name, bounds, message):
+    with pytest.raises(ValueError, match=message):
+        choose_rung(pad, name, *bounds)
+
+
+def test_deeper_than_measured_is_refused():
+    with pytest.raises(ValueError, match="deepest measured"):
+        choose_rung(PAD, "sphere", 0.1, 0.1, depth_ratio=0.6)
+
+
+def test_measuring_gives_a_table_that_survives_the_disk(tmp_path):
+    lines = []
+    table = measure_ladder(
+        [0.45],
+        [8.0],
+        ["sphere"],
+        [0.1, 0.2],
+        rungs=SMALL,
+        reference=NeoHookeanRung("reference", 9, 4, n=64),
+        coarser=COARSE,
+        report=lines.append,
+    )
+    rows = {row.rung: row for row in table.rows}
+    assert max(map(abs, rows["layer-128"].force_error)) < 0.06
+    assert max(rows["layer-128"].displacement_error) < 0.1 < min(rows["winkler"].displacement_error)
+    assert len(lines) == len(table.rows) + 1
+    assert all(row.cost_ms > 0 for row in table.rows)
+    write_table(table, tmp_path / "table.json")
+    assert read_table(tmp_path / "table.json") == table
+
+
+def test_a_rung_measured_against_itself_has_no_error():
+    twin = NeoHookeanRung("twin", 6, 3, n=64)
+    table = measure_ladder([0.41], [8.0], ["cylinder"], [0.1], rungs=[twin], reference=COARSE, coarser=COARSE)
+    assert table.rows[0].force_error == (0.0,)
+    assert table.rows[0].displacement_error == (0.0,)
+
+
+def test_displacement_error_is_relative_and_indifferent_to_the_grid():
+    surface = indenter("sphere", H)
+    fine, rough = (
+        next(LayerRung("layer", n, np.float64).open(PAD, "sphere").press_depths(surface, [0.2 * H])) for n in (96, 48)
+    )
+    assert displacement_error(fine, fine) == pytest.approx(0, abs=1e-12)
+    assert displacement_error(replace(fine, displacement=1.1 * fine.displacement), fine) == pytest.approx(0.1)
+    assert displacement_error(rough, fine) < 0.03
+    x, y = fine.grid.coordinates()
+    assert sample(2 * x - 3 * y, fine.grid, 0.3 * x, 0.5 * y) == pytest.approx(0.6 * x - 1.5 * y)
+
+
+def test_a_broken_table_is_refused_in_one_line(tmp_path, table):
+    path = tmp_path / "table.json"
+    path.write_text("{}")
+    with pytest.raises(ValueError, match="not a ladder table"):
+        read_table(path)
+    write_table(replace(table, rows=(replace(table.rows[0], force_error=(0.1,)),)), path)
+    with pytest.raises(ValueError, match="must hold"):
+        read_table(path)
