@@ -57,7 +57,7 @@ def choose_rung(
     best = min(choices, key=lambda one: max(one.force_error / bound_force, one.displacement_error / bound_displacement))
     raise ValueError(
         f"no contact rung is within {bound_force:.2%} of the force and {bound_displacement:.2%} of the displacement "
-        f"for a {indenter_class}; the nearest is {best.rung} with {best.force_error:.2%} and "
+        f"for the class {indenter_class}; the nearest is {best.rung} with {best.force_error:.2%} and "
         f"{best.displacement_error:.2%}: widen the bounds or press less deep"
     )
 
