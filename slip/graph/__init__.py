@@ -1,0 +1,1 @@
+"""The detectors as ONNX graphs, piece by piece; `slip.onnx` puts them together."""
