@@ -53,7 +53,6 @@ SPLITS = {
     "held-out-setting": "held-out grip setting",
     "held-out-session": "held-out session",
     "held-out-object": "held-out object",
-    "published": "published split, unseen objects",
 }
 VARIANTS = ("paper", "default", "hard", "public", "own", "no-variation")
 ROLES = ("method", "upper-line", "probe", "law")

@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from vtbench.data.biotacsp_stability_v2 import load_biotacsp_stability_v2 as load_biotacsp_stability_v2
     from vtbench.data.checks import check_dataset as check_dataset
     from vtbench.data.fabricslide16 import FabricSlide16 as FabricSlide16
     from vtbench.data.fabricslide16 import load_fabricslide16 as load_fabricslide16
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from vtbench.data.public import data_root as data_root
     from vtbench.data.public import public_set as public_set
     from vtbench.data.reader import Dataset as Dataset
+    from vtbench.data.slide_reader import SlideDataset as SlideDataset
+    from vtbench.data.slide_writer import write_slides as write_slides
     from vtbench.data.writer import write_dataset as write_dataset
 
 _HOMES = {
@@ -24,14 +27,17 @@ _HOMES = {
     "DatasetMeta": "meta",
     "FabricSlide16": "fabricslide16",
     "PublicSet": "public",
+    "SlideDataset": "slide_reader",
     "check_dataset": "checks",
     "data_root": "public",
     "fetch": "fetching",
     "import_folder": "folder_import",
+    "load_biotacsp_stability_v2": "biotacsp_stability_v2",
     "load_fabricslide16": "fabricslide16",
     "load_gelsight_ball_presses": "gelsight_ball_presses",
     "public_set": "public",
     "write_dataset": "writer",
+    "write_slides": "slide_writer",
 }
 __all__ = sorted(_HOMES)
 

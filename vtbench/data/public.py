@@ -52,6 +52,7 @@ MANIFESTS = Path(__file__).resolve().parent / "manifests"
 # A new set is one module with a `SOURCE: PublicSet` and a loader, registered here.
 PUBLIC: Registry[str] = Registry("public recordings")
 PUBLIC.register("fabricslide16")("vtbench.data.fabricslide16")
+PUBLIC.register("biotacsp_stability_v2")("vtbench.data.biotacsp_stability_v2")
 PUBLIC.register("gelsight_ball_presses")("vtbench.data.gelsight_ball_presses")
 
 

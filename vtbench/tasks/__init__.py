@@ -2,6 +2,7 @@
 
 from vtbench.registry import Registry
 from vtbench.tasks import (
+    grasp_biotacsp,
     objects_deep,
     objects_interference,
     objects_pose,
@@ -13,7 +14,16 @@ from vtbench.tasks.base import Task
 
 TASKS: Registry[Task] = Registry("task", see="vtbench list tasks")
 
-for _file in (objects_deep, objects_interference, objects_pose, texture_fabricslide16, slip_fvsight, slip_hard):
+_FILES = (
+    objects_deep,
+    objects_interference,
+    objects_pose,
+    texture_fabricslide16,
+    slip_fvsight,
+    slip_hard,
+    grasp_biotacsp,
+)
+for _file in _FILES:
     TASKS.register(_file.TASK.id)(_file.TASK)
 
 __all__ = ["TASKS", "Task"]
