@@ -5,8 +5,8 @@ Features: each taxel z-scored over the recording, then a Fourier basis with a fu
 by least squares. The stroke is the same at every speed, so harmonic k is a spatial frequency, k periods in 600 mm, and
 speed drops out. The number of harmonics is chosen on training folds, up to 70: the most that the shortest recording
 determines (2 x 70 + 1 coefficients from 141 samples).
-On these recordings the folds choose 5 or 10, the fewest: waves of 60 mm and more, far longer than any thread. What tells
-the fabrics apart is then the slow profile of a strip and its board as much as the cloth.
+On these recordings the folds choose 5 or 10, the fewest: waves of 60 mm and more, far longer than any thread. What
+tells the fabrics apart is then the slow profile of a strip and its board as much as the cloth.
 Modalities: `spectrum` keeps the amplitude of each harmonic, because where a thread lies at the start of a slide says
 nothing about the fabric; `coefficients` keeps sine and cosine, which also know where on the strip of fabric, and on its
 board, a load was felt.
