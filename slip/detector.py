@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from slip.differences import COMMON_MODES, CommonMode, treat
 from slip.samples import Floats, Missing, SampleClock, as_sample, as_sequence, check_regular
@@ -113,15 +113,24 @@ class DifferenceDetector(ABC):
         The stream's state is left alone; samples that are skipped add to `skipped`. Raises ValueError for a
         wrong shape, non-finite readings (see `nan`) or, where times are given, irregular sampling.
         """
+        force, kept = self._checked(sequence, time_s)
+        return self._spread(self._score_kept(force), kept)
+
+    def _checked(self, sequence: ArrayLike, time_s: ArrayLike | None) -> tuple[Floats, NDArray[np.bool_]]:
+        """Return the samples that are kept and the mask of them; those that are skipped are counted."""
         force, kept = as_sequence(sequence, self.nan)
         self._check_taxels(force.shape[1])
         if time_s is not None:
             check_regular(time_s, len(force))
         if kept.all():
-            return self._score_kept(force)
+            return force, kept
         self.skipped += int((~kept).sum())
-        scores = np.concatenate([[0.0], self._score_kept(force[kept])])
-        return scores[np.cumsum(kept)]
+        return force[kept], kept
+
+    @staticmethod
+    def _spread(scores: Floats, kept: NDArray[np.bool_]) -> Floats:
+        """Repeat the last score at each sample that was skipped, 0 before any."""
+        return scores if kept.all() else np.concatenate([[0.0], scores])[np.cumsum(kept)]
 
     def _score_kept(self, force: Floats) -> Floats:
         if len(force) == 0:
