@@ -29,7 +29,9 @@ def stream(detector, force):
 
 
 def disagreement(streamed, batch, window):
-    """Largest difference over the largest score in the last two windows; 0/0 counts as 0."""
+    """Largest difference over the largest score in the last two windows; 0/0 counts as 0, and so does nothing."""
+    if len(batch) == 0:
+        return 0.0
     span = 2 * window
     padded = np.concatenate([np.zeros(span - 1), batch])
     scale = np.lib.stride_tricks.sliding_window_view(padded, span).max(axis=1)
