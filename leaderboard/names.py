@@ -53,6 +53,7 @@ SPLITS = {
     "held-out-setting": "held-out grip setting",
     "held-out-session": "held-out session",
     "held-out-object": "held-out object",
+    "held-out-sequence": "held-out sequence",
 }
 VARIANTS = ("paper", "default", "hard", "public", "own", "no-variation")
 ROLES = ("method", "upper-line", "probe", "law")

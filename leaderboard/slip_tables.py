@@ -89,7 +89,8 @@ def verdicts(block: SlipBlock) -> list[str]:
     sentences = []
     for split in block.splits:
         for record in block.of(split):
-            if record.identity.method == PAPERS_DETECTOR:
+            has_delays = any(metric(record, "delay_ms", rate) for rate in rates([record]))
+            if record.identity.method == PAPERS_DETECTOR and has_delays:
                 said = ", ".join(_at(record, rate) for rate in rates([record]))
                 rule = title(MODALITIES, record.identity.modality)
                 sentences.append(

@@ -14,7 +14,8 @@ from vtbench.commands import (
     listing,
     objects,
     run,
+    score_slip,
     show,
 )
 
-MODULES = (listing, objects, check, generate, bring, show, run, board, frame_cost, env)
+MODULES = (listing, objects, check, generate, bring, show, run, score_slip, board, frame_cost, env)

@@ -31,9 +31,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
     )
     parser.add_argument("scene", metavar="SCENE", help="name (`vtbench list scenes`) or a YAML file of your own")
     add_out(parser, "DIR", "folder of the dataset")
-    parser.add_argument(
-        "--samples", metavar="N", type=whole_number(1), help="how many (default: the full protocol)"
-    )
+    parser.add_argument("--samples", metavar="N", type=whole_number(1), help="how many (default: the full protocol)")
     parser.add_argument("--seed", metavar="S", type=whole_number(0), default=0, help="run seed (default 0)")
     parser.add_argument("--variation", metavar="V", help="variation of the scene, as in SCENE/V")
     parser.add_argument(

@@ -83,6 +83,7 @@ class SlipTask(Task):
 
     Attributes:
         periods, early_s, settle_s, refractory_s: when a score is an alarm, see `slip.AlarmRule`.
+        window: of the detectors, in samples.
         cfar_rate: false alarms a sample that `cfar` is asked for, before hold-on.
         rates: false alarms a minute at which delays are compared.
     """
@@ -92,6 +93,7 @@ class SlipTask(Task):
     settle_s: float = 0.5
     refractory_s: float = 1.0
     cfar_rate: float = 1e-3
+    window: int = 50
     rates: tuple[float, ...] = (0.1, 1.0, 10.0)
 
     @property
@@ -103,7 +105,7 @@ class SlipTask(Task):
 
     def protocol(self) -> dict[str, Any]:
         """JSON values that decide a result beside split and detector."""
-        names = ("periods", "early_s", "settle_s", "refractory_s", "cfar_rate")
+        names = ("periods", "early_s", "settle_s", "refractory_s", "cfar_rate", "window")
         return {**{name: getattr(self, name) for name in names}, "rates_per_min": list(self.rates)}
 
 

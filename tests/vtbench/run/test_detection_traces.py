@@ -33,9 +33,10 @@ def a_score(seed, samples=3000):
     return np.random.default_rng(seed).gamma(2.0, 1.0, samples).astype(np.float32).astype(np.float64)
 
 
+@pytest.mark.parametrize("samples", [400, 1000, 1700, 3000])
 @pytest.mark.parametrize("seed", range(3))
-def test_without_slip_alarms_are_counted_as_on_the_whole_score(seed):
-    what, score = truth(samples=3400), a_score(seed, 3400)
+def test_without_slip_alarms_are_counted_as_on_the_whole_score(seed, samples):
+    what, score = truth(samples=samples), a_score(seed, samples)
     kept = trial_of(trace_of(score, what, RULE).astype(float), what, RULE)
     whole = Trial(score, 1000.0)
     for peaks, expected in zip(quiet_peaks(kept, kept_rule(RULE)), quiet_peaks(whole, RULE), strict=True):
@@ -63,6 +64,16 @@ def test_long_partial_slip_before_the_onset_is_neither_quiet_nor_slip():
     assert onset_delay(kept, 0.5, kept_rule(RULE)) == pytest.approx(-0.25)
     assert not (quiet_peaks(kept, kept_rule(RULE))[0] >= 0.5).any()
     assert np.isinf(onset_delay(Trial(score, 1000.0, 1000, 1800), 0.5, RULE))  # on since before: a false alarm
+
+
+@pytest.mark.parametrize("samples", [1001, 1400, 2100, 5499])
+def test_a_short_rest_at_the_end_counts_with_the_piece_before(samples):
+    what, score = truth(samples=samples), a_score(0, samples)
+    kept = trial_of(trace_of(score, what, RULE).astype(float), what, RULE)
+    peaks, minutes = quiet_peaks(kept, kept_rule(RULE))
+    assert len(peaks) == samples // 1000
+    assert minutes == pytest.approx(samples / 60_000)
+    assert peaks.max() == trial_peak(Trial(score, 1000.0), RULE)
 
 
 def test_traces_come_apart_as_they_were_put_together():

@@ -98,7 +98,7 @@ def run_detector(name: str, work: DetectionWork) -> Run:
     """A detector on every fold."""
     fitted, traces, seconds, samples = [], [], 0.0, 0
     for fold in work.split.folds:
-        found = fit(name, work.feed, work.data, fold.train, work.task.cfar_rate)
+        found = fit(name, work.feed, work.data, fold.train, work.task.cfar_rate, work.task.window)
         start = time.perf_counter()
         traces += test_traces(found, work, fold)
         seconds += time.perf_counter() - start

@@ -16,6 +16,8 @@ from vtbench.tasks.slides import SlideData
 REST_SAMPLES = 40_000
 """Of training rests, at most: the noise is known to a percent by then."""
 
+HIGH_BAND = 0.15
+
 Force = NDArray[np.floating]
 
 
@@ -32,20 +34,30 @@ class Fitted:
     note: dict[str, Any]
 
 
+def parameters(name: str, window: int, rate_hz: float) -> dict[str, Any]:
+    """Arguments of a detector; the high band begins at the same share of the rate, 150 Hz at 1 kHz."""
+    high = {"rate_hz": rate_hz, "cutoff_hz": HIGH_BAND * rate_hz} if name == "spectral" else {}
+    return {"window": window, **high}
+
+
 def seen(force: Force, feed: str) -> Force:
     """What the detector is fed: the taxels (T, taxels), or with the feed `total-force` their sum (T, 1)."""
     return force.sum(1, keepdims=True, dtype=np.float64) if feed == "total-force" else force
 
 
-def fit(name: str, feed: str, data: SlideData, train: NDArray[np.int64], cfar_rate: float) -> Fitted:
+def fit(name: str, feed: str, data: SlideData, train: NDArray[np.int64], cfar_rate: float, window: int = 50) -> Fitted:
     """Make the detector `name` and find beta from the training trials by the rule that the feed names.
 
     Raises:
         NotPossibleError: no training trial to learn the threshold from.
     """
-    detector = slip.make_detector(name)
+    detector = slip.make_detector(name, **parameters(name, window, data.truth[int(train[0])].rate_hz))
     if feed == "cfar":
-        found = slip.cfar(detector, rest_forces(data, train), cfar_rate)
+        rest = rest_forces(data, train)
+        try:
+            found = slip.cfar(detector, rest, cfar_rate)
+        except ValueError as error:
+            raise NotPossibleError(f"the training rests do not give a threshold: {error}") from None
         note = {"beta": found.beta, "rest_rate": found.rest_rate, "coloured": found.coloured, "cfar": str(found)}
         return Fitted(found.detector, found.beta, found.beta, note)
     betas = earlier_slips(detector, feed, data, train)

@@ -27,7 +27,7 @@ def trace_of(score: NDArray[np.float64], truth: SlideTruth, rule: AlarmRule) -> 
     """What is kept of the scores (T,) of one trial."""
     trial = Trial(score, truth.rate_hz)
     if truth.onset is None:
-        return _finite(quiet_peaks(trial, rule)[0])
+        return _finite(_whole_pieces(quiet_peaks(trial, rule)[0], truth, rule))
     return np.delete(_finite(held_score(trial, rule)), _left_out(truth, rule))
 
 
@@ -45,6 +45,14 @@ def _left_out(truth: SlideTruth, rule: AlarmRule) -> NDArray[np.int64]:
     assert truth.onset is not None
     early = max(truth.onset - round(rule.early_s * truth.rate_hz), 0)
     return np.arange(early if truth.partial is None else min(truth.partial, early), early)
+
+
+def _whole_pieces(peaks: NDArray[np.float64], truth: SlideTruth, rule: AlarmRule) -> NDArray[np.float64]:
+    """Peaks of pieces; a last piece shorter than half counts with the one before it."""
+    length = max(round(rule.refractory_s * truth.rate_hz), 1)
+    if len(peaks) > 1 and 0 < truth.samples % length < length / 2:
+        return np.append(peaks[:-2], peaks[-2:].max())
+    return peaks
 
 
 def _finite(held: NDArray[np.float64]) -> Trace:
