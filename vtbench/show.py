@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from vtbench.data.fabricslide16 import N_TAXELS, PERIOD_MS, FabricSlide16, load_fabricslide16
 from vtbench.data.files import make_folder
 from vtbench.data.format import META_FILE
+from vtbench.data.meta import read_meta
 from vtbench.data.public import PUBLIC, data_root
 from vtbench.data.reader import Dataset
 
@@ -28,7 +29,8 @@ FORCE_COLOURS, PRESSURE_COLOURS = "GnBu", "magma"
 def show(path: Path | str, png: Path | str, *, sample: int | None = None) -> Path:
     """Draw what `path` is into the file `png` and return it.
 
-    A dataset gives its contact sheet, or one press in time when `sample` is given; a run gives the contact sheet
+    A dataset gives its contact sheet, or one press in time when `sample` is given; one of slides gives the forces of
+    its kinds of trial, or one trial with its scores against their thresholds; a run gives the contact sheet
     of its first dataset; `fabricslide16`, or a folder that holds it, gives sliding recordings;
     `gelsight_ball_presses`, or a folder that holds it, gives real presses beside rendered ones.
 
@@ -40,6 +42,10 @@ def show(path: Path | str, png: Path | str, *, sample: int | None = None) -> Pat
     inside = sorted(folder.glob(f"datasets/*/{META_FILE}"))
     if (folder / META_FILE).is_file() or inside:
         dataset = folder if (folder / META_FILE).is_file() else inside[0].parent
+        if read_meta(dataset).recordings == "slides":
+            from vtbench.show_slides import slide_scores, slide_sheet
+
+            return slide_sheet(dataset, png) if sample is None else slide_scores(dataset, sample, png)
         return contact_sheet(dataset, png) if sample is None else force_history(dataset, sample, png)
     if str(path) == "gelsight_ball_presses" or (folder / "gelsight" / "presses.csv").is_file():
         return _ball_presses(folder if folder.is_dir() else None, Path(png))
@@ -95,8 +101,8 @@ def force_history(dataset_dir: Path | str, sample: int, png: Path | str) -> Path
     row = dataset.columns().iloc[sample]
     time_s = np.arange(len(series)) / row["rate_hz"]
     hold = (row["hold_start"] / row["rate_hz"], row["hold_stop"] / row["rate_hz"])
-    with _page(png, (11.0, 4.9)) as figure:
-        _heading(figure, _title(row), f"{dataset.meta.name}, sample {sample}: {_details(row)}")
+    with page(png, (11.0, 4.9)) as figure:
+        heading(figure, _title(row), f"{dataset.meta.name}, sample {sample}: {_details(row)}")
         left, right = figure.subfigures(2, 2, squeeze=False, height_ratios=[0.9, 4.0], width_ratios=[8.4, 2.6])[1]
         axes = left.subplots(gridspec_kw={"left": 0.08, "right": 0.98, "bottom": 0.14, "top": 0.97})
         axes.axvspan(*hold, color=TINT, lw=0, zorder=0)
@@ -126,9 +132,9 @@ def slide_traces(recordings: FabricSlide16, png: Path | str, speed: int = -30) -
     step = 6.0 * float(np.median([wave.std() for wave in waves]))
     columns = min(4, len(shown))
     lines = -(-len(shown) // columns)
-    with _page(png, (3.4 * columns + 0.4, 3.5 * lines + 1.0)) as figure:
+    with page(png, (3.4 * columns + 0.4, 3.5 * lines + 1.0)) as figure:
         text = f"{len(recordings)} recordings of 16 capacitive taxels; each trace is a taxel's counts minus their mean"
-        _heading(figure, "FabricSlide16", text)
+        heading(figure, "FabricSlide16", text)
         body = figure.subfigures(2, 1, squeeze=False, height_ratios=[0.8, 3.5 * lines])[1, 0]
         grid = {"left": 0.05, "right": 0.99, "bottom": 0.14 / lines, "top": 0.94, "wspace": 0.12, "hspace": 0.28}
         places = body.subplots(lines, columns, squeeze=False, gridspec_kw=grid)
@@ -188,8 +194,8 @@ def _cards(png: Path | str, count: int, panels: int, dataset: Dataset) -> Iterat
     left, top = 0.16 / card[0], 1 - _TITLE_IN / card[1]
     right = (0.16 + panels * (_PANEL_IN + _GAP_IN) - _GAP_IN) / card[0]
     edges = {"left": left, "right": right, "bottom": top - _PANEL_IN / card[1], "top": top}
-    with _page(png, size) as figure:
-        _heading(figure, dataset.meta.name, _summary_line(dataset))
+    with page(png, size) as figure:
+        heading(figure, dataset.meta.name, _summary_line(dataset))
         heights = [_HEADING_IN - _TITLE_IN / 2, *[card[1]] * lines, _TITLE_IN / 2 + 0.1]
         grid = figure.subfigures(lines + 2, across, squeeze=False, height_ratios=heights)
         places = grid[1:-1].ravel()[:count]
@@ -200,7 +206,7 @@ def _cards(png: Path | str, count: int, panels: int, dataset: Dataset) -> Iterat
 
 
 @contextmanager
-def _page(png: Path | str, size: tuple[float, float]) -> Iterator[Figure]:
+def page(png: Path | str, size: tuple[float, float]) -> Iterator[Figure]:
     """A figure of `size` inches, saved as `png` when the block ends; no display and no global state."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -217,7 +223,8 @@ def _page(png: Path | str, size: tuple[float, float]) -> Iterator[Figure]:
         figure.savefig(png, dpi=120, format="png", metadata={"Software": "vtbench"})
 
 
-def _heading(figure: Figure, title: str, text: str) -> None:
+def heading(figure: Figure, title: str, text: str) -> None:
+    """Title and a quieter line at the top of a page."""
     inch = 1 / figure.get_figheight()
     left = 0.16 / figure.get_figwidth()
     figure.text(left, 1 - 0.38 * inch, title, fontsize=17, fontweight="bold", color=INK)

@@ -84,7 +84,7 @@ def check(name: str) -> list[Verdict]:
         ValueError: nothing there that can be checked.
     """
     path = Path(name)
-    if not path.exists():
+    if not path.exists() or (path.is_dir() and _is_name(name) and not _is_made_here(path)):
         return [_named(name)]
     if path.name == "dataset.json":
         path = path.parent
@@ -93,6 +93,17 @@ def check(name: str) -> list[Verdict]:
     if path.suffix in (".yaml", ".yml"):
         return [_config(path)]
     raise ValueError(f"{name}: expected a YAML file, or the folder of a dataset or a run")
+
+
+def _is_name(name: str) -> bool:
+    from vtbench.config import scene_names, suite_names
+
+    return name in (*scene_names(), *suite_names())
+
+
+def _is_made_here(path: Path) -> bool:
+    """Whether a folder holds a dataset or a run, rather than only sharing a suite's name."""
+    return any((path / made).exists() for made in ("dataset.json", "dataset.partial.json", "suite.yaml", "runs"))
 
 
 def _named(name: str) -> Verdict:

@@ -18,12 +18,13 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         examples=(
             "vtbench show data/paper -o sheet.png",
             "vtbench show data/paper --sample 5 -o press.png",
+            "vtbench show data/slip --sample 3 -o scores.png",
             "vtbench show fabricslide16 -o slides.png",
         ),
     )
     parser.add_argument("path", metavar="PATH", help="a dataset, a run, or the name of public recordings")
     add_out(parser, "FILE.png", "picture to write", picture)
-    parser.add_argument("--sample", metavar="I", type=whole_number(0), help="draw this press in time, counted from 0")
+    parser.add_argument("--sample", metavar="I", type=whole_number(0), help="draw this press or trial in time, from 0")
     add_json(parser)
 
 
