@@ -15,7 +15,7 @@ SHORTEST_TILE = 16
 def covariance_score(g: Graph, differences: str, detector: Covariance, taxels: int) -> str:
     """`slip.covariance.Covariance`: (N, T, taxels) -> (N, T). Raises ValueError for too long a window in time.
 
-    The time side holds every pair of its window: about 60 window bytes a sample in a batch, window^2 products a
+    The time side holds every pair of its window: about 70 window bytes a sample in a batch, window^2 products a
     sample in a stream, which forms its Gram matrix anew and so carries no rounding on.
     """
     if detector.side == "time" and detector.window > LONGEST_TIME_WINDOW:
