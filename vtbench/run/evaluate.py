@@ -143,7 +143,11 @@ def _labels(predicted: Any, n: int, n_classes: int) -> NDArray[np.int32]:
 
 
 def _scores(classifier: Any, x: NDArray[Any], n_classes: int) -> NDArray[np.float32] | None:
-    """(q, n_classes) scores by `decision_function` or `predict_proba`; None where the classifier has neither."""
+    """(q, n_classes) scores by `decision_function` or `predict_proba`; None where the classifier has neither.
+
+    Raises:
+        ValueError: NaN among them.
+    """
     for name in ("decision_function", "predict_proba"):
         score = getattr(classifier, name, None)
         known = getattr(classifier, "classes_", None)
@@ -151,6 +155,8 @@ def _scores(classifier: Any, x: NDArray[Any], n_classes: int) -> NDArray[np.floa
             continue
         values = np.asarray(score(x), np.float32)
         if values.shape == (len(x), len(known)):
+            if np.isnan(values).any():
+                raise ValueError(f"{name}() gave NaN")
             wide = np.full((len(x), n_classes), -np.inf, np.float32)
             wide[:, np.asarray(known, np.int64)] = values
             return wide

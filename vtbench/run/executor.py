@@ -65,7 +65,7 @@ def attempt(work: Work) -> Outcome:
         outcome = Outcome(work.key, "timeout", f"took longer than {work.timeout_s:g} s (timeout_s of the suite)")
     except NotPossibleError as error:
         outcome = Outcome(work.key, "skipped", _one_line(error))
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a classifier that calls sys.exit must not end the run
         outcome = Outcome(work.key, "failed", f"{type(error).__name__}: {_one_line(error)}")
     return replace(outcome, started=started, finished=time.time())
 
@@ -129,5 +129,5 @@ def _limit(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def _one_line(error: Exception) -> str:
+def _one_line(error: BaseException) -> str:
     return " ".join(str(error).split()) or "no message"

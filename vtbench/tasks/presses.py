@@ -83,7 +83,7 @@ def load_presses(path: Path, features: FeatureCache, backbone: str, *, press: Li
     """
     from vtbench.data import Dataset
 
-    dataset = Dataset.open(path)
+    dataset = Dataset.open(path, verify="sha256")  # results are kept under the hash that it states
     known = [
         name
         for name in ("unit", "session", "press", "pose_x_mm", "pose_y_mm", "pose_deg")

@@ -21,6 +21,8 @@ WRONG = {
     "Negative": "not class indices 0..2",
     "Text": "not class indices 0..2",
     "Halves": "not class indices 0..2",
+    "NaNScores": r"ValueError: decision_function\(\) gave NaN",
+    "Exits": "SystemExit: no message",
 }
 
 
@@ -118,3 +120,14 @@ def test_a_process_that_dies_costs_its_own_cell_only(presses, tmp_path):
     assert {state for (name, _), state in small.states(summary).items() if name == "dies"} == {"failed"}
     assert {state for (name, _), state in small.states(summary).items() if name != "dies"} == {"ok"}
     assert all("process died" in r.status.reason for r in summary.records if r.status.state == "failed")
+
+
+def test_a_changed_byte_ends_a_run_before_anything_is_kept_under_the_stated_hash(tmp_path):
+    data = small.write(tmp_path / "set")
+    shard = sorted(data.glob("shard-*.parquet"))[-1]
+    content = bytearray(shard.read_bytes())
+    content[len(content) // 2] ^= 1
+    shard.write_bytes(content)
+    with pytest.raises(ValueError, match=rf"{shard.name}: checksum is off"):
+        run_suite(small.suite(data), tmp_path / "run", progress=False)
+    assert not [*tmp_path.glob("run/runs/*"), *tmp_path.glob("run/features/*")]
