@@ -162,6 +162,29 @@ def test_a_suite_from_a_file_names_the_key_of_its_problem(tmp_path):
         config.load_suite(path)
 
 
+@pytest.mark.parametrize(
+    ("key", "wrong", "message"),
+    [
+        (
+            "backbone",
+            "vgg61",
+            r"backbone: unknown backbone 'vgg61'; did you mean 'vgg16'\? \(`vtbench list backbones`\)",
+        ),
+        ("truth", ["pressur"], r"datasets\[0\]\.truth: unknown field 'pressur'; did you mean 'pressure'"),
+        ("splits", [], r"entries\[0\]\.splits: .* at least 1 item"),
+        ("modalities", [], r"entries\[0\]\.modalities: .* at least 1 item"),
+    ],
+)
+def test_what_a_suite_names_is_there_before_any_work(tmp_path, key, wrong, message):
+    suite = yaml.safe_load((configs_dir() / "suites" / "quick.yaml").read_text())
+    place = {"backbone": suite, "truth": suite["datasets"][0]}.get(key, suite["entries"][0])
+    place[key] = wrong
+    path = tmp_path / "suite.yaml"
+    path.write_text(yaml.safe_dump(suite))
+    with pytest.raises(ValueError, match=message):
+        config.load_suite(path)
+
+
 def test_an_unknown_suite_is_refused():
     with pytest.raises(ValueError, match=r"unknown suite 'quik'; did you mean 'quick'\? \(`vtbench list suites`\)"):
         config.load_suite("quik")

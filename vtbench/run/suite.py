@@ -47,6 +47,16 @@ class DatasetSpec(_Part):
     truth: tuple[str, ...] = ()
     set: dict[str, JsonValue] = {}
 
+    @field_validator("truth")
+    @classmethod
+    def _fields_exist(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        from vtbench.data.format import TRUTH_UNITS
+
+        for name in value:
+            if name not in TRUTH_UNITS:
+                raise unknown("field", name, TRUTH_UNITS)
+        return value
+
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if (self.scene is None) == (self.path is None):
@@ -72,8 +82,8 @@ class Entry(_Part):
 
     task: str
     variants: dict[str, str | None]
-    splits: tuple[str, ...] | None = None
-    modalities: tuple[str, ...] | None = None
+    splits: tuple[str, ...] | None = Field(None, min_length=1)
+    modalities: tuple[str, ...] | None = Field(None, min_length=1)
     methods: tuple[str, ...] = Field(min_length=1)
     probes: tuple[str, ...] | bool = False
     upper_lines: tuple[str, ...] | bool = False
@@ -145,6 +155,15 @@ class Suite(_Part):
     datasets: tuple[DatasetSpec, ...] = ()
     methods: dict[str, OwnMethod] = {}
     entries: tuple[Entry, ...] = Field(min_length=1)
+
+    @field_validator("backbone")
+    @classmethod
+    def _backbone_exists(cls, value: str) -> str:
+        from fusion.features import backbone_names
+
+        if value not in backbone_names():
+            raise unknown("backbone", value, backbone_names(), "vtbench list backbones")
+        return value
 
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
