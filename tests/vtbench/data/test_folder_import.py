@@ -114,6 +114,8 @@ def renamed(old, new):
     ("change", "message"),
     [
         (cell("f7", "nan"), "line 5, column 'f7': expected a finite number of newtons, got 'nan'"),
+        (cell("f7", "-1e39"), "line 5, column 'f7': expected a finite number of newtons, got '-1e39'"),
+        (cell("total_force_n", "1e999"), "line 5, column 'total_force_n': expected a finite number of newtons"),
         (cell("f7", ""), "line 5, column 'f7': expected a finite number of newtons, got ''"),
         (cell("f7", "1,5"), "line 5, column 'f7': expected a finite number"),
         (no("f9"), "expected the force columns f1, f2, ... without a gap, got f1, f2"),
