@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
 import warnings
 from argparse import Action, Namespace
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
 from typing import Any
 
 from vtbench.commands import MODULES
 from vtbench.commands.parser import Parser
 from vtbench.environment import pin_threads
 
-OK, PROBLEMS, BAD_INPUT, BUG, INTERRUPTED, NO_READER = 0, 1, 2, 70, 130, 141
+OK, PROBLEMS, BAD_INPUT, BUG, INTERRUPTED, NO_READER, TERMINATED = 0, 1, 2, 70, 130, 141, 143
 
 _ABOUT = """\
 Simulated and real recordings of vision and touch, classifiers that fuse them, and scores that can be trusted.
@@ -24,7 +28,11 @@ From nothing to a table of results:
 
 _CODES = """\
 exit codes: 0 done, 1 done but parts of it failed, 2 bad input (one line says which), 70 a bug of vtbench,
-130 interrupted. VTBENCH_DEBUG=1 shows the whole traceback. `vtbench COMMAND --help` shows examples."""
+130 interrupted, 143 terminated. VTBENCH_DEBUG=1 shows the whole traceback. `vtbench COMMAND --help` shows examples."""
+
+
+class _Terminated(KeyboardInterrupt):
+    """SIGTERM came: what Ctrl-C does, with an exit code of its own."""
 
 
 class _Version(Action):
@@ -62,11 +70,14 @@ def main(argv: Sequence[str] | None = None) -> int:
             parser.print_help()
             return BAD_INPUT
         resume = args.resume
-        code: int = args.run(args)
+        with _terminable():
+            code = _run(args)
         sys.stdout.flush()
         return code
     except SystemExit as done:  # --help and --version
         return int(done.code or 0)
+    except _Terminated:
+        return _fail(f"terminated{resume and f'; {resume}'}", TERMINATED, label="")
     except KeyboardInterrupt:
         return _fail(f"interrupted{resume and f'; {resume}'}", INTERRUPTED, label="")
     except BrokenPipeError:
@@ -83,6 +94,32 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(f"{text} (a bug of vtbench: VTBENCH_DEBUG=1 shows where)", BUG, label="internal error: ")
     finally:
         warnings.formatwarning = show_warning
+
+
+def _run(args: Namespace) -> int:
+    """The command's exit code; code of somebody else that calls `sys.exit` does not decide it."""
+    try:
+        code: int = args.run(args)
+    except SystemExit as error:
+        raise RuntimeError(f"something called sys.exit({error.code!r}) in the middle of the work") from error
+    return code
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """Let SIGTERM (a batch system, `timeout`) end the body like Ctrl-C, so that worker processes end with it."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise _Terminated
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _fail(text: str, code: int, label: str = "error: ") -> int:

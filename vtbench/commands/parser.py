@@ -90,6 +90,13 @@ def some_of(kind: str, choices: Sequence[str]) -> Callable[[str], tuple[str, ...
     return parse
 
 
+def folder(text: str) -> Path:
+    """An argument type: a folder to write; an empty word (a variable that is not set) is not the current folder."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError(f"expected a folder, got {text!r}; the current one is '.'")
+    return Path(text)
+
+
 def picture(text: str) -> Path:
     """An argument type: a `.png` file to write."""
     path = Path(text)
@@ -134,7 +141,7 @@ def add_json(parser: Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
-def add_out(parser: Parser, metavar: str, help: str, type: Callable[[str], Any] = Path) -> None:
+def add_out(parser: Parser, metavar: str, help: str, type: Callable[[str], Any] = folder) -> None:
     """Give a command its `-o`."""
     parser.add_argument("-o", "--out", metavar=metavar, type=type, required=True, help=help)
 
