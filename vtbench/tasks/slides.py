@@ -76,6 +76,18 @@ class SlideData(TaskData):
                 dataset = SlideDataset.open(path, verify=False)
                 yield from zip(mine.tolist(), dataset.each_series(self.at[mine, 1]), strict=True)
 
+    def states(self, trials: Sequence[int]) -> dict[int, NDArray[np.uint8]]:
+        """State of the contact (T,) of each of the trials: 0 stick, 1 partial slip, 2 gross slip."""
+        from vtbench.data.slide_reader import SlideDataset
+
+        found: dict[int, NDArray[np.uint8]] = {}
+        for number, path in enumerate(self.paths):
+            mine = [trial for trial in trials if self.at[trial, 0] == number]
+            if mine:
+                rows = self.at[mine, 1]
+                found |= dict(zip(mine, SlideDataset.open(path, verify=False).states(rows), strict=True))
+        return found
+
 
 @dataclass(frozen=True)
 class SlipTask(Task):

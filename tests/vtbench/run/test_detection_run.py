@@ -209,3 +209,20 @@ def test_choices_are_told(suite, tmp_path):
     assert len(notes) == 3
     for note in notes:
         assert note["lowest"] <= note["beta"] <= note["highest"]
+
+
+@pytest.mark.slow
+def test_a_net_learns_from_the_training_trials_and_finds_the_slips(suite, tmp_path):
+    run_suite(suite(methods=["neural-force"]), tmp_path / "out", progress=False)
+    record = by_method(tmp_path / "out")["neural-force"]
+    assert record.status.state == "ok", record.status.reason
+    assert record.metrics[0].value > 0.9
+
+
+def test_what_a_net_learns_from_are_the_states_of_the_trials(data):
+    for trial, state in data.states([25, 3, 0]).items():
+        truth = data.truth[trial]
+        assert len(state) == truth.samples
+        assert (state == 2).any() == (truth.onset is not None)
+        if truth.onset is not None:
+            assert int(np.flatnonzero(state == 2)[0]) == truth.onset

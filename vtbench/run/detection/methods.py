@@ -7,6 +7,7 @@ from typing import Any
 
 import slip
 from vtbench.registry import Registry
+from vtbench.run.detection.learning import EPOCHS, LEARNT, MOST_TRIALS
 
 BASELINE = "energy"
 """Stands beside every other detector, asked for or not."""
@@ -19,6 +20,7 @@ _ABOUT = {
     "energy": "mean absolute difference, the baseline",
     "energy-load-removed": "mean absolute difference without what is in proportion to the load",
     "spectral": "energy of the differences above 150 Hz",
+    "neural-force": "causal convolutional net over force differences, learnt on the training trials",
 }
 
 
@@ -40,6 +42,14 @@ DETECTORS: Registry[DetectorMethod] = Registry("detector", see="vtbench list det
 
 for _name in slip.detector_names():
     DETECTORS.register(_name)(DetectorMethod(_name, _ABOUT.get(_name, _name)))
+for _name in LEARNT:
+    _how = {"trials": MOST_TRIALS, "epochs": EPOCHS}
+    DETECTORS.register(_name)(DetectorMethod(_name, _ABOUT.get(_name, _name), _how))
+
+
+def plain_detectors() -> tuple[str, ...]:
+    """Detectors that have nothing to learn but a threshold."""
+    return slip.detector_names()
 
 
 def with_baseline(ids: tuple[str, ...]) -> tuple[str, ...]:

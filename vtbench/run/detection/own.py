@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from leaderboard.record import Identity, Record, Status, Timing, record_key
 from vtbench.data.slip_folder import REST_LABEL, SlipSequence
 from vtbench.run.detection.detect import DetectionWork
-from vtbench.run.detection.methods import DETECTORS, with_baseline
+from vtbench.run.detection.methods import DETECTORS, plain_detectors, with_baseline
 from vtbench.run.detection.scoring import score_slips
 from vtbench.run.evaluate import Outcome
 from vtbench.tasks.base import Fold, NotPossibleError, Split, Variant
@@ -33,6 +33,23 @@ class SequenceData(SlideData):
         """(trial, forces (T, taxels)) in order."""
         for trial in np.asarray(trials, np.int64).tolist():
             yield trial, self.forces[trial]
+
+    def states(self, trials: Sequence[int]) -> dict[int, NDArray[np.uint8]]:
+        """State (T,) of each sequence, 2 while it slips.
+
+        Raises:
+            ValueError: a sequence with slip does not say when.
+        """
+        if not self.onsets_known:
+            raise ValueError("the sequences with slip have no column 'slip' that says when")
+        return {trial: _state(self.truth[trial]) for trial in trials}
+
+
+def _state(truth: SlideTruth) -> NDArray[np.uint8]:
+    state = np.zeros(truth.samples, np.uint8)
+    if truth.onset is not None:
+        state[truth.onset : truth.end] = 2
+    return state
 
 
 def one_sequence_out(data: SlideData, seed: int) -> Split:
@@ -122,7 +139,7 @@ def score_own(
     task = replace(TASK, window=window)
     content = content_hash(data)
     for rule in RULES:
-        for detector in with_baseline(detectors or DETECTORS.ids()):
+        for detector in with_baseline(detectors or plain_detectors()):
             identity = Identity(
                 task=task.id,
                 variant="own",

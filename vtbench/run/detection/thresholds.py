@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import slip
+from vtbench.run.detection.learning import LEARNT, learnt
 from vtbench.tasks.base import NotPossibleError
 from vtbench.tasks.slides import SlideData
 
@@ -51,7 +52,10 @@ def fit(name: str, feed: str, data: SlideData, train: NDArray[np.int64], cfar_ra
     Raises:
         NotPossibleError: no training trial to learn the threshold from.
     """
-    detector = slip.make_detector(name, **parameters(name, window, data.truth[int(train[0])].rate_hz))
+    if name in LEARNT:
+        detector = learnt(name, data, train)
+    else:
+        detector = slip.make_detector(name, **parameters(name, window, data.truth[int(train[0])].rate_hz))
     if feed == "cfar":
         rest = rest_forces(data, train)
         try:
