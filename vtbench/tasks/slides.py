@@ -130,7 +130,7 @@ def load_slides(paths: Sequence[Path]) -> SlideData:
     units: list[str] = []
     at: list[tuple[int, int]] = []
     for number, path in enumerate(paths):
-        dataset = SlideDataset.open(path)
+        dataset = SlideDataset.open(path, verify="sha256")
         columns = dataset.columns()
         rest_s = _rest_s(dataset.meta.scene)
         for row, (state, onset) in enumerate(zip(dataset.states(), dataset.onsets(), strict=True)):
