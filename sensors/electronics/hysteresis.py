@@ -13,24 +13,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sensors.compiled import compiled
+
 
 def play(x: NDArray[np.float64], threshold: float) -> NDArray[np.float64]:
-    """Play operator along axis 0 from rest (p = 0 before the first sample); same shape as `x`.
+    """Play operator along axis 0 from rest (p = 0 before the first sample); same shape as `x`."""
+    x = np.ascontiguousarray(x, dtype=np.float64)
+    return np.asarray(_follow(x.reshape(len(x), -1), float(threshold))).reshape(x.shape)
 
-    A step is a clamp to [x - r, x + r], and clamps compose to clamps, so a prefix scan does all T steps in log2(T)
-    passes instead of a loop.
-    """
-    low, high = x - threshold, x + threshold
-    shift = 1
-    while shift < len(x):
-        earlier_low, earlier_high = low[:-shift], high[:-shift]
-        later_low, later_high = low[shift:], high[shift:]
-        new_low = np.clip(earlier_low, later_low, later_high)
-        new_high = np.clip(earlier_high, later_low, later_high)
-        low = np.concatenate((low[:shift], new_low))
-        high = np.concatenate((high[:shift], new_high))
-        shift *= 2
-    return np.clip(0.0, low, high)
+
+@compiled
+def _follow(x: NDArray[np.float64], threshold: float) -> NDArray[np.float64]:
+    out = np.empty_like(x)
+    state = np.zeros(x.shape[1])
+    for t in range(x.shape[0]):
+        for column in range(x.shape[1]):
+            held = min(max(state[column], x[t, column] - threshold), x[t, column] + threshold)
+            state[column] = held
+            out[t, column] = held
+    return out
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,21 @@ class PrandtlIshlinskii:
         for threshold, weight in zip(self.thresholds_n, self.weights, strict=True):
             response += weight * (play(force, threshold) - force)
         return response
+
+    def invert(self, response: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The force history (T, ...) whose `respond` is `response`: the exact inverse, for any history from rest.
+
+        It is a Prandtl-Ishlinskii operator too: its thresholds lie on the loading branch, its weights are negative.
+        """
+        response = np.asarray(response, dtype=np.float64)
+        order = np.argsort(self.thresholds_n, kind="stable")
+        thresholds = self.loading_branch(np.array(self.thresholds_n, dtype=np.float64)[order])
+        slope = 1 - sum(self.weights)
+        force = response / slope
+        for threshold, weight in zip(thresholds, np.array(self.weights)[order], strict=True):
+            force -= weight / (slope * (slope + weight)) * play(response, float(threshold))
+            slope += weight
+        return force
 
     def loading_branch(self, force: NDArray[np.float64]) -> NDArray[np.float64]:
         """Response to a first, monotone loading from rest to `force` >= 0 (odd for negative values)."""

@@ -1,0 +1,49 @@
+"""Creep and release overshoot of a carbon-filled sheet: its conductance is low after every change of load.
+
+    G(t) = G_eq(F) (1 - sum_i b_i |m_i - u|)      m_i' = (u - m_i) / tau_i      u = F / (F + F_c)
+
+u says how closed the sheet's contacts are, m_i remember how closed they were. On a hold the memories catch up and the
+resistance falls; at release u drops to 0 while they are late, so the resistance overshoots its rest value and comes
+back with the same times. One mechanism and one set of constants for both: a stated model, not one from a paper.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Creep:
+    """Memory times tau_i (s), their depths b_i (sum < 1) and the closing force F_c (N) at which u is one half."""
+
+    times_s: tuple[float, ...]
+    depths: tuple[float, ...]
+    closing_force_n: float
+
+    def __post_init__(self) -> None:
+        if len(self.times_s) != len(self.depths):
+            raise ValueError(f"creep needs one depth for each time, got {len(self.times_s)} and {len(self.depths)}")
+        if min(self.times_s, default=1) <= 0 or self.closing_force_n <= 0:
+            raise ValueError("creep needs times_s > 0 and closing_force_n > 0")
+        if min(self.depths, default=0) < 0 or sum(self.depths) >= 1:
+            raise ValueError("creep needs depths >= 0 that sum to less than 1")
+
+    def factor(self, load: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
+        """What multiplies the equilibrium conductance under loads (T, ...; N) sampled at `rate_hz`, from rest.
+
+        Exact for a load that is constant between samples.
+        """
+        from scipy.signal import lfilter
+
+        load = np.maximum(load, 0)
+        closed = load / (load + self.closing_force_n)
+        lost = np.zeros(np.shape(load))
+        for time_s, depth in zip(self.times_s, self.depths, strict=True):
+            keep = np.exp(-1 / (time_s * rate_hz))
+            # the memory that a sample meets was formed by the samples before it
+            memory = lfilter([0, 1 - keep], [1, -keep], closed, axis=0)
+            lost += depth * np.abs(memory - closed)
+        return 1 - lost
