@@ -8,6 +8,8 @@ from typing import Literal
 
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, JsonValue, model_validator
 
+from leaderboard.submission import Submission
+
 SCHEMA_VERSION: Literal[1] = 1
 
 Role = Literal["method", "probe", "law", "upper-line"]
@@ -120,7 +122,10 @@ class Provenance(_Block):
 
 
 class Record(_Block):
-    """Everything kept of one cell. `key` must be `record_key(identity)`; `verdict` belongs to the role "law"."""
+    """Everything kept of one cell. `key` must be `record_key(identity)`; `verdict` belongs to the role "law".
+
+    `submission` is there where the model or its predictions are somebody else's.
+    """
 
     schema_version: Literal[1] = SCHEMA_VERSION
     key: str
@@ -129,6 +134,7 @@ class Record(_Block):
     metrics: tuple[Metric, ...] = ()
     timing: Timing | None = None
     verdict: Verdict | None = None
+    submission: Submission | None = None
     provenance: Provenance
 
     @model_validator(mode="after")

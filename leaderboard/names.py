@@ -33,6 +33,8 @@ MODALITIES = {
     "fused": "force + image",
     "fused-equal": "force + image, equal",
     "fused-change": "force + image change",
+    "force-series": "force in time",
+    "force-series-image": "force in time + image",
     "spectrum": "spectrum",
     "coefficients": "Fourier coefficients",
     "prior": "force, β from an earlier slip",
@@ -54,6 +56,8 @@ SPLITS = {
     "held-out-session": "held-out session",
     "held-out-object": "held-out object",
     "held-out-sequence": "held-out sequence",
+    "all": "every recording",
+    "hidden": "hidden test set",
 }
 VARIANTS = ("paper", "default", "hard", "public", "own", "no-variation")
 ROLES = ("method", "upper-line", "probe", "law")
