@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator, Set
 from contextlib import contextmanager
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import yaml
 
+from leaderboard.record import RECORD_FILE
 from vtbench.data.files import make_folder, write_text
 from vtbench.run.suite import Suite
 
@@ -56,8 +58,12 @@ def read_suite(out: Path) -> Suite:
 
 
 def set_aside(out: Path, keys: Set[str]) -> int:
-    """Move records of cells that the suite no longer has to `superseded/`; returns how many."""
+    """Move records of cells that the suite no longer has to `superseded/`; returns how many.
+
+    Records of somebody else's models are no cells of the suite, and stay.
+    """
     old = [folder for folder in (out / "runs").glob("*") if folder.is_dir() and folder.name not in keys]
+    old = [folder for folder in old if not _handed_in(folder / RECORD_FILE)]
     for folder in old:
         target = out / SUPERSEDED / folder.name
         target.parent.mkdir(exist_ok=True)
@@ -67,6 +73,14 @@ def set_aside(out: Path, keys: Set[str]) -> int:
             target = target.with_name(f"{folder.name}.{number}")
         os.replace(folder, target)
     return len(old)
+
+
+def _handed_in(record: Path) -> bool:
+    """Whether a record has a submission block; one that cannot be read has none."""
+    try:
+        return bool(json.loads(record.read_bytes()).get("submission"))
+    except (OSError, ValueError, AttributeError):
+        return False
 
 
 @contextmanager

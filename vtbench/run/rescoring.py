@@ -15,13 +15,15 @@ from vtbench.run.summary import RunSummary
 from vtbench.tasks.base import Features, NotPossibleError
 
 
-class _NoFeatures:
+class NoFeatures:
     """Stands in for the feature cache: a score needs none."""
 
     def cached(self, identity: object, n: int, compute: object) -> Features:
+        """Refuse: features are what a score must not need."""
         raise NotPossibleError("scoring reads no features")
 
     def us_per_sample(self, identity: object) -> None:
+        """Nothing was measured."""
         return None
 
 
@@ -34,9 +36,10 @@ def rescore(run_dir: Path | str) -> RunSummary:
     started = time.perf_counter()
     run_dir = Path(run_dir)
     suite = read_suite(run_dir)
-    records = sorted(read_records(run_dir), key=_samples)
+    found = read_records(run_dir)
+    records = sorted((record for record in found if record.submission is None), key=_samples)
     _check_unchanged(suite, run_dir, records)
-    result: list[Record] = []
+    result = [record for record in found if record.submission is not None]  # scored when they were evaluated
     done = 0
     for (task_id, _, dataset), group in groupby(records, key=_samples):
         of_group = list(group)
@@ -44,7 +47,7 @@ def rescore(run_dir: Path | str) -> RunSummary:
         result += [record for record in of_group if record.status.state != "ok"]
         if not ok:
             continue
-        data = load_samples(suite, run_dir, task_id, dataset, _NoFeatures())
+        data = load_samples(suite, run_dir, task_id, dataset, NoFeatures())
         for record in ok:
             metrics, law = scored(record.identity, read_predictions(run_dir, record.key), data)
             again = record.model_copy(update={"metrics": metrics, "verdict": law})
