@@ -85,6 +85,11 @@ def read_predictions(run_dir: Path, key: str) -> Arrays:
         raise ValueError(f"{path}: expected NumPy arrays without pickle, got a broken file ({error})") from error
 
 
+def has_predictions(run_dir: Path, key: str) -> bool:
+    """Whether a record's prediction file is there and an archive to its end; its arrays are not read."""
+    return zipfile.is_zipfile(_root(run_dir, writing=True) / key / PREDICTIONS_FILE)
+
+
 def _read(path: Path) -> Record:
     record = Record.model_validate_json(path.read_bytes())
     if record.key != path.parent.name:

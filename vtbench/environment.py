@@ -122,6 +122,13 @@ def recordings() -> dict[str, dict[str, Any]]:
     return found
 
 
+def accelerators() -> list[str]:
+    """Names of the graphics processors that `--device cuda` can use; loads torch."""
+    import torch
+
+    return [torch.cuda.get_device_name(index) for index in range(torch.cuda.device_count())]
+
+
 def describe() -> dict[str, Any]:
     """Everything that `vtbench env` prints, as JSON-ready values."""
     return {
@@ -132,6 +139,7 @@ def describe() -> dict[str, Any]:
         "machine": machine(),
         "fingerprint": fingerprint(),
         "threads": threads(),
+        "cuda": accelerators(),
         "configs": str(configs_dir()),
         "cache": str(cache_dir()),
         "vtbench_data": os.environ.get("VTBENCH_DATA"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vtbench.data.fabricslide16 import N_TAXELS, PERIOD_MS, FabricSlide16, load_fabricslide16
-from vtbench.data.files import make_folder
+from vtbench.data.files import make_folder, write_whole
 from vtbench.data.format import META_FILE
 from vtbench.data.meta import read_meta
 from vtbench.data.public import PUBLIC, data_root
@@ -70,7 +71,7 @@ def contact_sheet(dataset_dir: Path | str, png: Path | str, count: int = 12) -> 
 
     The samples show different objects, one in three a shallow press where there are any.
     """
-    dataset = Dataset.open(dataset_dir)
+    dataset = Dataset.open(dataset_dir, verify="sha256")
     rows = dataset.columns()
     chosen = pick_samples(rows, count)
     images, forces = dataset.images(chosen), dataset.force(chosen)
@@ -94,7 +95,7 @@ def contact_sheet(dataset_dir: Path | str, png: Path | str, count: int = 12) -> 
 
 def force_history(dataset_dir: Path | str, sample: int, png: Path | str) -> Path:
     """Draw one press in time: every taxel and their sum, the hold shaded, the moment of the frame marked."""
-    dataset = Dataset.open(dataset_dir)
+    dataset = Dataset.open(dataset_dir, verify="sha256")
     if "force_series" not in dataset.meta.columns:
         raise ValueError(f"{dataset.path}: holds no force histories (an imported dataset has none)")
     series = dataset.force_series([sample])[0]
@@ -220,7 +221,8 @@ def page(png: Path | str, size: tuple[float, float]) -> Iterator[Figure]:
         figure = Figure(figsize=size, facecolor=PAPER)
         FigureCanvasAgg(figure)
         yield figure
-        figure.savefig(png, dpi=120, format="png", metadata={"Software": "vtbench"})
+        save = partial(figure.savefig, dpi=120, format="png", metadata={"Software": "vtbench"})
+        write_whole(png, save)
 
 
 def heading(figure: Figure, title: str, text: str) -> None:

@@ -43,6 +43,7 @@ def _rows(found: dict[str, Any]) -> list[tuple[str, str]]:
         ("processor", f"{machine['processor']}, {machine['cores']} cores{memory}"),
         ("fingerprint", found["fingerprint"]),
         ("threads", ", ".join(f"{name}={value}" for name, value in found["threads"].items()) or "not limited"),
+        ("cuda", ", ".join(found["cuda"]) or "none: `--device cuda` is refused"),
         ("configs", found["configs"]),
         ("cache", found["cache"]),
         ("VTBENCH_DATA", found["vtbench_data"] or "not set"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace, _SubParsersAction
+from functools import partial
 
 from vtbench.commands.output import print_json, print_table
 from vtbench.commands.parser import Parser, add_command, add_json, picture, whole_number
@@ -36,7 +37,12 @@ def run(args: Namespace) -> int:
     rows = [{"object": a, "like": b, "rms_mm": round(mm, 3)} for a, b, mm in pairs[: args.nearest]]
     drawn = None
     if args.out:
-        drawn = objects.draw_object(chosen.name, args.out) if chosen else objects.draw_gallery(args.out)
+        from vtbench.data.files import make_folder, write_whole
+
+        make_folder(args.out.parent)
+        draw = partial(objects.draw_object, chosen.name) if chosen else objects.draw_gallery
+        write_whole(args.out, draw)
+        drawn = args.out
     if args.json:
         about = chosen and {
             "name": chosen.name,

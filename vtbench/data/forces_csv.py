@@ -81,6 +81,8 @@ def _read_cells(path: Path) -> tuple[list[str], list[list[str]]]:
     if len(cells) < 2:
         raise ValueError(f"{path}: no presses; expected a heading and one line for each press")
     columns, lines = cells[0], cells[1:]
+    if len(columns) == 1 and (mark := next((mark for mark in ";\t|" if mark in columns[0]), None)):
+        raise ValueError(f"{path}: expected columns parted by commas, got {mark!r}; save it with commas (and points)")
     forces = len(taxel_columns(columns))
     for number, line in enumerate(lines, start=2):
         if len(line) != len(columns):

@@ -13,7 +13,9 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import replace
-from multiprocessing import get_context
+from itertools import chain
+from multiprocessing import get_all_start_methods, get_context
+from multiprocessing.context import BaseContext
 from types import FrameType
 
 from vtbench.run.detection.detect import DetectionWork
@@ -34,11 +36,11 @@ class OutOfTimeError(Exception):
 def run_all(works: Iterable[Work], jobs: int) -> Iterator[Outcome]:
     """Outcomes as they come, in any order; each work gives exactly one.
 
-    When a worker process dies, what is left runs one cell at a time, each in a process that may die for itself.
+    With one job our own methods run in this process and a user's in another. When a worker process dies, what is left
+    runs one cell at a time, in a process that may die for itself.
     """
     if jobs == 1:
-        with _one_thread():
-            yield from map(attempt, works)
+        yield from _in_order(list(works))
         return
     from joblib import Parallel, delayed, parallel_config
     from joblib.externals.loky.process_executor import BrokenProcessPool as BrokenLoky
@@ -56,6 +58,7 @@ def run_all(works: Iterable[Work], jobs: int) -> Iterator[Outcome]:
 
 def attempt(work: Work) -> Outcome:
     """Evaluate a cell; every way in which it can go wrong becomes an outcome with a one-line reason."""
+    _load()
     started = time.time()
     try:
         with warnings.catch_warnings(), _limit(work.timeout_s):
@@ -80,32 +83,63 @@ def _attempt_in_worker(work: Work) -> Outcome:
             faulthandler.cancel_dump_traceback_later()
 
 
+def _in_order(works: list[Work]) -> Iterator[Outcome]:
+    ours = [work for work in works if not _foreign(work)]
+    with _one_thread():
+        yield from map(attempt, ours)
+    yield from _one_by_one([work for work in works if _foreign(work)])
+
+
+def _foreign(work: Work) -> bool:
+    """A user's classifier: it may end the process that it runs in."""
+    return isinstance(work, ClassifierWork) and "estimator" in work.method.source
+
+
 def _one_by_one(works: list[Work]) -> Iterator[Outcome]:
-    for work in works:
-        started = time.time()
-        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-            try:
-                yield pool.submit(_attempt_in_worker, work).result()
-            except BrokenProcessPool:
-                now = time.time()
-                late = now - started > GRACE * work.timeout_s
-                yield Outcome(
-                    work.key,
-                    "timeout" if late else "failed",
-                    f"the process died after {now - started:.0f} s (out of memory, or a crash in compiled code)",
-                    started=started,
-                    finished=now,
-                )
+    """One cell at a time, in a process that is replaced when it dies."""
+    left = iter(works)
+    for work in left:
+        with ProcessPoolExecutor(1, mp_context=_context(), initializer=_load) as pool:
+            for current in chain([work], left):
+                started = time.time()
+                try:
+                    yield pool.submit(_attempt_in_worker, current).result()
+                except BrokenProcessPool:
+                    yield _died(current, started)
+                    break
+
+
+def _context() -> BaseContext:
+    """Fresh processes that have the numerical libraries already, where the platform can fork them."""
+    if "forkserver" not in get_all_start_methods():
+        return get_context("spawn")
+    context = get_context("forkserver")
+    context.set_forkserver_preload([__name__, "sklearn.neighbors", "sklearn.svm", "fusion.sparse_coding"])
+    return context
+
+
+def _died(work: Work, started: float) -> Outcome:
+    now = time.time()
+    late = now - started > GRACE * work.timeout_s
+    reason = f"the process died after {now - started:.0f} s (out of memory, or a crash in compiled code)"
+    return Outcome(work.key, "timeout" if late else "failed", reason, started=started, finished=now)
+
+
+def _load() -> None:
+    """Import what every cell needs before a time limit runs: an alarm inside an import leaves half a module behind."""
+    import scipy.linalg
+    import sklearn.neighbors
+    import sklearn.svm  # noqa: F401
+
+    import fusion.sparse_coding  # noqa: F401
 
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
     """Numerical libraries on one thread in this process; only a library that is loaded can be limited."""
-    import scipy.linalg  # noqa: F401
-    import sklearn.neighbors
-    import sklearn.svm  # noqa: F401
     from threadpoolctl import threadpool_limits
 
+    _load()
     with threadpool_limits(1):
         yield
 

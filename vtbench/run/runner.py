@@ -9,7 +9,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from leaderboard.record import Record, scan_records, write_record
+from leaderboard.record import Record, has_predictions, scan_records, write_record
 from vtbench.run.cells import Cell, own_methods, plan
 from vtbench.run.folder import claim, set_aside
 from vtbench.run.methods import Method
@@ -59,16 +59,16 @@ def run_suite(
         cells = plan(suite, find_sources(suite, out), _backbone(suite), methods)
         set_aside(out, {cell.key for cell in cells})
         records = _records(out)
-        pending = [cell for cell in cells if not _finished(cell, records.get(cell.key))]
+        pending = [cell for cell in cells if not _finished(cell, records.get(cell.key), out)]
         if pending:
             for record in _run(suite, out, pending, jobs, progress):
                 records[record.key] = record
     return RunSummary.of(out, [records[cell.key] for cell in cells], len(pending), time.perf_counter() - started)
 
 
-def _finished(cell: Cell, record: Record | None) -> bool:
-    """A skipped row of public recordings that have come since is the only one that runs again."""
-    if record is None:
+def _finished(cell: Cell, record: Record | None, out: Path) -> bool:
+    """A record stands with its predictions; a skipped row of public recordings that have come since runs again."""
+    if record is None or (record.status.state == "ok" and not has_predictions(out, cell.key)):
         return False
     return not (record.status.state == "skipped" and not cell.task.reads_dataset and not cell.missing)
 

@@ -139,6 +139,14 @@ def test_a_bad_csv_is_named_and_nothing_is_written(tmp_path, change, message):
     assert not (tmp_path / "set").exists()
 
 
+def test_columns_parted_by_semicolons_are_called_that(tmp_path):
+    folder = fill(tmp_path / "mine", lines())
+    path = folder / "forces.csv"
+    path.write_text(path.read_text().replace(",", ";"))
+    with pytest.raises(ValueError, match="expected columns parted by commas, got ';'"):
+        import_folder(folder, tmp_path / "set")
+
+
 def test_a_line_of_fifteen_forces_is_named(tmp_path):
     folder = fill(tmp_path / "mine", lines())
     text = (folder / "forces.csv").read_text().splitlines()

@@ -28,7 +28,7 @@ WRONG = {
 
 @pytest.mark.parametrize(("name", "reason"), WRONG.items())
 def test_a_wrong_answer_is_a_reason_of_one_line(name, reason):
-    (outcome,) = run_all([small.work(small.method(name), small.FORCE)], jobs=1)
+    outcome = attempt(small.work(small.method(name), small.FORCE))
     assert outcome.state == "failed"
     assert outcome.predictions is None
     assert "\n" not in outcome.reason
@@ -113,10 +113,10 @@ def test_a_split_that_the_data_do_not_allow_is_a_skipped_row(tmp_path):
     assert "one unit only" in reason
 
 
-@pytest.mark.slow
-def test_a_process_that_dies_costs_its_own_cell_only(presses, tmp_path):
+@pytest.mark.parametrize("jobs", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_a_process_that_dies_costs_its_own_cell_only(jobs, presses, tmp_path):
     suite = small.suite(presses, ["dies", "knn", "good"], {"dies": small.own("Dies"), "good": small.own("Nearest")})
-    summary = run_suite(suite, tmp_path / "run", jobs=2, progress=False)
+    summary = run_suite(suite, tmp_path / "run", jobs=jobs, progress=False)
     assert {state for (name, _), state in small.states(summary).items() if name == "dies"} == {"failed"}
     assert {state for (name, _), state in small.states(summary).items() if name != "dies"} == {"ok"}
     assert all("process died" in r.status.reason for r in summary.records if r.status.state == "failed")

@@ -67,7 +67,7 @@ def test_a_finished_key_is_never_run_again(counted, log, tmp_path):
     assert check_run(tmp_path / "run") == []
 
 
-@pytest.mark.parametrize("damage", ["gone", "cut", "not its key"])
+@pytest.mark.parametrize("damage", ["gone", "cut", "not its key", "no predictions", "empty predictions"])
 def test_only_the_cell_whose_record_is_missing_or_broken_runs_again(counted, log, tmp_path, damage):
     out = tmp_path / "run"
     first = run(counted, out)
@@ -76,6 +76,10 @@ def test_only_the_cell_whose_record_is_missing_or_broken_runs_again(counted, log
     text = record.read_bytes()
     if damage == "gone":
         record.unlink()
+    elif damage.endswith("predictions"):
+        record.with_name("predictions.npz").unlink()
+        if damage.startswith("empty"):
+            record.with_name("predictions.npz").touch()
     else:
         record.write_bytes(text[: len(text) // 2] if damage == "cut" else other.read_bytes())
     before = contents(out)
