@@ -127,7 +127,7 @@ def _died(work: Work, started: float) -> Outcome:
 
 def _load() -> None:
     """Import what every cell needs before a time limit runs: an alarm inside an import leaves half a module behind."""
-    import scipy.linalg
+    import scipy.linalg  # noqa: F401
     import sklearn.neighbors
     import sklearn.svm  # noqa: F401
 
