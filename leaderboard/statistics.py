@@ -11,13 +11,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import ndtr, ndtri, stdtrit
 
-FloatArray = NDArray[np.float64]
+from leaderboard.groups import FloatArray, Groups, grouped
 
 WILSON = "Wilson"
 BOOTSTRAP = "bootstrap over groups, expanded percentile"
@@ -43,33 +42,6 @@ class Interval:
     method: str
     n: int
     groups: int
-
-
-@dataclass(frozen=True)
-class _Groups:
-    """Per-group sums of scores and sample counts, each of shape (groups,)."""
-
-    total: FloatArray
-    size: FloatArray
-
-    @property
-    def count(self) -> int:
-        return len(self.size)
-
-    @property
-    def mean(self) -> float:
-        return float(self.total.sum() / self.size.sum())
-
-    @property
-    def means(self) -> FloatArray:
-        return self.total / self.size
-
-    @property
-    def standard_error(self) -> float:
-        """Linearised standard error of the pooled mean; for equal groups, that of the mean of group means."""
-        residual = self.total - self.mean * self.size
-        count = self.count
-        return sqrt(count / (count - 1) * float(residual @ residual)) / float(self.size.sum())
 
 
 def wilson(k: float, n: float, level: float = 0.95) -> tuple[float, float]:
@@ -102,21 +74,25 @@ def group_interval(correct: ArrayLike, groups: ArrayLike, level: float = 0.95, s
     ValueError when there is nothing to score, a score is outside 0..1 or not finite, or lengths differ.
     """
     _check_level(level)
-    scores = _scores(correct, "correct", 0.0, 1.0)
-    g = _grouped(scores, groups)
+    return interval_of(grouped(_scores(correct, "correct", 0.0, 1.0), groups), level, seed)
+
+
+def interval_of(g: Groups, level: float = 0.95, seed: int = 0) -> Interval:
+    """Return `group_interval` from the sums of the groups alone."""
+    _check_level(level)
     p = min(max(g.mean, 0.0), 1.0)
     means = g.means
     differing = min(int((means < 1).sum()), int((means > 0).sum()))
     if differing == 0 or g.count == 1:
         low, high = wilson(p * g.count, g.count, level)
-        return Interval(p, low, high, level, WILSON_GROUPS, len(scores), g.count)
+        return Interval(p, low, high, level, WILSON_GROUPS, g.n, g.count)
     if differing < min(FEW_DIFFERING, g.count) or np.ptp(means) <= 1e-12:
         n_effective = _effective_size(g, level)
         low, high = wilson(p * n_effective, n_effective, level)
         method = WILSON_EFFECTIVE
     else:
         low, high, method = _resampled(g, level, seed)
-    return Interval(p, max(0.0, low), min(1.0, high), level, method, len(scores), g.count)
+    return Interval(p, max(0.0, low), min(1.0, high), level, method, g.n, g.count)
 
 
 def paired_group_difference(
@@ -131,17 +107,28 @@ def paired_group_difference(
     a, b = _scores(correct_a, "correct_a", 0.0, 1.0), _scores(correct_b, "correct_b", 0.0, 1.0)
     if len(a) != len(b):
         raise ValueError(f"paired difference: expected scores of the same samples, got {len(a)} and {len(b)}")
-    g = _grouped(a - b, groups)
+    return difference_of(grouped(a - b, groups), level, seed)
+
+
+def difference_of(g: Groups, level: float = 0.95, seed: int = 0) -> Interval:
+    """Return `paired_group_difference` from the groups' sums of differences alone."""
+    _check_level(level)
     means = g.means
-    if np.ptp(means) <= 1e-12 or int((means != 0).sum()) < min(FEW_DIFFERING, g.count):
-        low, high, method = *_bonett_price(means, level), BONETT_PRICE
-        low, high = min(low, g.mean), max(high, g.mean)
+    if few_differ(g):
+        centre, error = bonett_price(means)
+        half = float(ndtri(0.5 + level / 2)) * error
+        low, high, method = min(centre - half, g.mean), max(centre + half, g.mean), BONETT_PRICE
     else:
         low, high, method = _resampled(g, level, seed)
-    return Interval(g.mean, max(-1.0, low), min(1.0, high), level, method, len(a), g.count)
+    return Interval(g.mean, max(-1.0, low), min(1.0, high), level, method, g.n, g.count)
 
 
-def _resampled(g: _Groups, level: float, seed: int) -> tuple[float, float, str]:
+def few_differ(g: Groups) -> bool:
+    """Whether too few groups show a difference (or all the same one) for their spread to tell anything."""
+    return bool(np.ptp(g.means) <= 1e-12 or int((g.means != 0).sum()) < min(FEW_DIFFERING, g.count))
+
+
+def _resampled(g: Groups, level: float, seed: int) -> tuple[float, float, str]:
     t = float(stdtrit(g.count - 1, 0.5 + level / 2))
     if g.count < FEW_GROUPS:
         half = t * g.standard_error
@@ -152,7 +139,7 @@ def _resampled(g: _Groups, level: float, seed: int) -> tuple[float, float, str]:
     return float(low), float(high), BOOTSTRAP
 
 
-def _bootstrap_means(g: _Groups, seed: int) -> FloatArray:
+def _bootstrap_means(g: Groups, seed: int) -> FloatArray:
     """Return (RESAMPLES,) pooled means of groups drawn with replacement."""
     rng = np.random.default_rng(seed)
     step = max(1, _CHUNK // g.count)
@@ -164,7 +151,7 @@ def _bootstrap_means(g: _Groups, seed: int) -> FloatArray:
     return np.concatenate(parts)
 
 
-def _effective_size(g: _Groups, level: float) -> float:
+def _effective_size(g: Groups, level: float) -> float:
     """Return the number of independent trials with this standard error, docked for the groups being few."""
     p = g.mean
     variance, samples = p * (1 - p), float(g.size.sum())
@@ -173,26 +160,12 @@ def _effective_size(g: _Groups, level: float) -> float:
     return max(1.0, n * (z / t) ** 2)
 
 
-def _bonett_price(means: FloatArray, level: float) -> tuple[float, float]:
+def bonett_price(means: FloatArray) -> tuple[float, float]:
+    """Return centre and standard error of Bonett and Price's difference of paired proportions, groups as trials."""
     n = len(means) + 2
     up = (float(means[means > 0].sum()) + 1) / n
     down = (float(-means[means < 0].sum()) + 1) / n
-    z = float(ndtri(0.5 + level / 2))
-    half = z * sqrt((up + down - (up - down) ** 2) / n)
-    return up - down - half, up - down + half
-
-
-def _grouped(scores: FloatArray, groups: ArrayLike) -> _Groups:
-    labels: NDArray[Any] = np.asarray(groups)
-    if labels.shape != scores.shape:
-        raise ValueError(f"groups: expected one label a sample, {scores.shape}, got shape {labels.shape}")
-    _, index = np.unique(labels, return_inverse=True)
-    ones = np.ones(len(scores))
-    return _Groups(_sum_by(index, scores), _sum_by(index, ones))
-
-
-def _sum_by(index: NDArray[np.intp], values: FloatArray) -> FloatArray:
-    return np.asarray(np.bincount(index, weights=values), dtype=np.float64)
+    return up - down, sqrt((up + down - (up - down) ** 2) / n)
 
 
 def _scores(values: ArrayLike, name: str, low: float, high: float) -> FloatArray:
