@@ -1,20 +1,25 @@
-"""Pretrained image networks by name: uint8 frames to pooled features, one interface."""
+"""Image backbones by name: uint8 frames to pooled features, one interface."""
 
 from __future__ import annotations
 
 import difflib
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fusion.features import efficientnet_lite0, vgg16
+from fusion.features import efficientnet_lite0, pixels, vgg16
 from fusion.features.weights_cache import downloaded_vgg16, kept_graph, packaged_efficientnet_lite0
 
+if TYPE_CHECKING:
+    import onnx
+
 GRAPH_VERSION = 1  # raise when a graph built from the same weights changes
+NO_WEIGHTS = hashlib.sha256(b"").hexdigest()
 
 
 @dataclass(frozen=True)
@@ -28,7 +33,7 @@ class Backbone:
     licence : of the weights.
     size_bytes : of the published weights file.
     weights_sha256 : of that file, whole or as many leading digits as its publisher states; "random" for
-        random weights.
+        random weights, that of no bytes where there are no weights.
     threads : of ONNX Runtime on the CPU; bits are promised for 1.
     """
 
@@ -39,6 +44,7 @@ class Backbone:
     weights_sha256: str
     threads: int
     _build: Callable[[], bytes]
+    _keep: bool = True
 
     def extract(self, images: ArrayLike) -> NDArray[np.float32]:
         """Features (N, dim) float32 of RGB `images` uint8 (N, H, W, 3), any height and width.
@@ -57,15 +63,33 @@ class Backbone:
             features[i] = self._session.run(["features"], {"images": np.ascontiguousarray(frame[None])})[0][0]
         return features
 
+    def onnx_model(self) -> onnx.ModelProto:
+        """The graph as an `onnx.ModelProto`: input `images` uint8 (N, H, W, 3), output `features` (N, dim) float32.
+
+        For merging into the graph of a whole pipeline. Outputs beside `features` are left out, with the nodes that
+        only they need. OSError where the weights cannot be had.
+        """
+        import onnx
+
+        from fusion.features.onnx_graph import only_output
+
+        try:
+            return only_output(onnx.load_from_string(self._graph()), "features")
+        except _parse_errors():
+            return only_output(onnx.load_from_string(self._graph(fresh=True)), "features")
+
     @cached_property
     def _session(self) -> Any:
-        if self.weights_sha256 == "random":
-            return _session(self._build(), self.threads)
-        key = f"{self.name}-{self.weights_sha256[:16]}-v{GRAPH_VERSION}"
         try:
-            return _session(kept_graph(key, self._build), self.threads)
+            return _session(self._graph(), self.threads)
         except _graph_errors():
-            return _session(kept_graph(key, self._build, fresh=True), self.threads)
+            return _session(self._graph(fresh=True), self.threads)
+
+    def _graph(self, *, fresh: bool = False) -> bytes:
+        """The serialised graph: what an earlier run kept of it, or built now."""
+        if not self._keep:
+            return self._build()
+        return kept_graph(f"{self.name}-{self.weights_sha256[:16]}-v{GRAPH_VERSION}", self._build, fresh=fresh)
 
     def __reduce__(self) -> tuple[Any, ...]:
         weights = "random" if self.weights_sha256 == "random" else "pretrained"
@@ -74,7 +98,7 @@ class Backbone:
 
 def backbone_names() -> tuple[str, ...]:
     """Names that `get_backbone` knows; the first works offline."""
-    return ("efficientnet-lite0", "vgg16")
+    return ("efficientnet-lite0", "pixels", "vgg16")
 
 
 def get_backbone(name: str, *, threads: int = 1, weights: Literal["pretrained", "random"] = "pretrained") -> Backbone:
@@ -82,6 +106,7 @@ def get_backbone(name: str, *, threads: int = 1, weights: Literal["pretrained", 
 
     "efficientnet-lite0" : 1280 features; ImageNet weights from an installed package, no network; the whole
         image is resized to 224 x 224.
+    "pixels" : 3072 numbers, no network: the image averaged to 32 x 32; what every other backbone must beat.
     "vgg16" : 512 features, the FVSight paper's; ImageNet weights through torchvision, network once; images
         keep their size. `weights="random"` is for measuring its speed where the weights cannot be had.
 
@@ -98,6 +123,8 @@ def get_backbone(name: str, *, threads: int = 1, weights: Literal["pretrained", 
             threads,
             lambda: efficientnet_lite0.build(packaged_efficientnet_lite0(sha256)),
         )
+    if name == "pixels" and weights == "pretrained":
+        return Backbone(name, pixels.DIM, "Apache-2.0", 0, NO_WEIGHTS, threads, pixels.build, _keep=False)
     if name == "vgg16" and weights == "pretrained":
         return Backbone(
             name,
@@ -109,7 +136,9 @@ def get_backbone(name: str, *, threads: int = 1, weights: Literal["pretrained", 
             lambda: vgg16.build(downloaded_vgg16()),
         )
     if name == "vgg16" and weights == "random":
-        return Backbone(name, vgg16.DIM, "none", 0, "random", threads, lambda: vgg16.build(vgg16.random_weights()))
+        return Backbone(
+            name, vgg16.DIM, "none", 0, "random", threads, lambda: vgg16.build(vgg16.random_weights()), _keep=False
+        )
     if name in backbone_names():
         raise ValueError(f"{name} has no weights {weights!r}; use 'pretrained' (vgg16 also has 'random').")
     close = difflib.get_close_matches(name, backbone_names(), n=1)
@@ -136,3 +165,10 @@ def _graph_errors() -> tuple[type[Exception], ...]:
     from onnxruntime.capi import onnxruntime_pybind11_state as state
 
     return (state.InvalidProtobuf, state.InvalidGraph, state.InvalidArgument, state.Fail)
+
+
+def _parse_errors() -> tuple[type[Exception], ...]:
+    """What `onnx` raises for bytes that are no model, or for a model without what it should give."""
+    from google.protobuf.message import DecodeError  # type: ignore[import-untyped]
+
+    return (DecodeError, KeyError)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import onnx
 
 Weights = Mapping[str, NDArray[np.float32]]
 OPSET = 18
@@ -58,6 +61,11 @@ class GraphBuilder:
         sizes = self.constant(np.array([side, side], dtype=np.int64))
         return self.node("Resize", x, "", "", sizes, mode="linear", axes=[2, 3])
 
+    def averaged(self, x: str, side: int, parts: int) -> str:
+        """(N, C, H, W) resized to (N, C, side, side), then averaged over blocks to (N, C, parts, parts)."""
+        step = side // parts
+        return self.node("AveragePool", self.resize(x, side), kernel_shape=[step, step], strides=[step, step])
+
     def model(self, inputs: Mapping[str, tuple[int, list[Any]]], outputs: Mapping[str, tuple[str, list[Any]]]) -> bytes:
         """The checked model. `inputs`: name -> (element type, shape); `outputs`: name -> (tensor, shape)."""
         import onnx
@@ -86,3 +94,26 @@ def fold_batch_norm(
     )
     bias = weights[f"{norm}.bias"] - weights[f"{norm}.running_mean"] * scale
     return (weight * scale[:, None, None, None]).astype(np.float32), bias.astype(np.float32)
+
+
+def only_output(model: onnx.ModelProto, name: str) -> onnx.ModelProto:
+    """The model with the one output `name`, without nodes and constants that it does not need; KeyError without it."""
+    import onnx
+
+    kept = onnx.ModelProto()
+    kept.CopyFrom(model)
+    graph = kept.graph
+    outputs = [value for value in graph.output if value.name == name]
+    if not outputs:
+        raise KeyError(name)
+    needed, nodes = {name}, []
+    for node in reversed(graph.node):
+        if needed.intersection(node.output):
+            nodes.append(node)
+            needed.update(node.input)
+    constants = [constant for constant in graph.initializer if constant.name in needed]
+    for field, values in ((graph.output, outputs), (graph.node, nodes[::-1]), (graph.initializer, constants)):
+        copies = [type(value).FromString(value.SerializeToString()) for value in values]
+        del field[:]
+        field.extend(copies)
+    return kept

@@ -225,7 +225,7 @@ def test_every_name_says_what_it_is():
         found = get_backbone(name)
         assert found.name == name
         assert found.dim > 0
-        assert found.size_bytes > 0
+        assert (found.size_bytes == 0) == (name == "pixels")
         assert found.licence
         int(found.weights_sha256, 16)
 
@@ -246,3 +246,38 @@ def test_vgg16_without_weights_says_what_to_do(tmp_path, monkeypatch):
     with pytest.raises(OSError, match="vgg16: no network"):
         get_backbone("vgg16").extract(noise(1, 32))
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", [NAME, "pixels"])
+def test_the_graph_for_merging_gives_the_same_features_and_nothing_else(cache, name):
+    import onnx
+    import onnxruntime
+
+    found = get_backbone(name)
+    model = found.onnx_model()
+    onnx.checker.check_model(model, full_check=True)
+    assert [value.name for value in model.graph.output] == ["features"]
+    used = {entry for node in model.graph.node for entry in node.input}
+    assert {constant.name for constant in model.graph.initializer} <= used
+    session = onnxruntime.InferenceSession(model.SerializeToString(), providers=["CPUExecutionProvider"])
+    images = noise(2)
+    rows = [session.run(None, {"images": image[None]})[0][0] for image in images]
+    np.testing.assert_array_equal(np.stack(rows), found.extract(images))
+
+
+def test_a_damaged_graph_is_no_hindrance_to_merging(tmp_path, monkeypatch, lite):
+    expected = lite.onnx_model()
+    monkeypatch.setenv("VTBENCH_CACHE", str(tmp_path))
+    get_backbone(NAME).onnx_model()
+    (kept,) = (tmp_path / "backbones").iterdir()
+    for damaged in (kept.read_bytes()[:1000], b""):
+        kept.write_bytes(damaged)
+        assert get_backbone(NAME).onnx_model() == expected
+
+
+def test_pixels_are_means_over_squares():
+    images = noise(2, 256)
+    squares = images.reshape(2, 32, 8, 32, 8, 3).mean(axis=(2, 4)).transpose(0, 3, 1, 2) / 255
+    np.testing.assert_allclose(get_backbone("pixels").extract(images), squares.reshape(2, -1), atol=1e-6)
+    even = np.full((1, 100, 60, 3), 51, np.uint8)
+    np.testing.assert_allclose(get_backbone("pixels").extract(even), 0.2, atol=1e-6)
