@@ -12,11 +12,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from sensors.friction.body import count_substeps
 from sensors.friction.lugre import Array, LuGre
+from sensors.friction.patch_kernel import advance_elements
 
 
 @dataclass(frozen=True)
@@ -45,10 +47,16 @@ class SkinPatch:
     stiffness: float
     damping: float
 
-    @property
+    @cached_property
     def longest_step(self) -> float:
         """1 / sqrt((k + sum sigma0) / m) in seconds."""
         return math.sqrt(self.mass_kg / (self.stiffness + float(np.sum(self.law.stiffness))))
+
+    @cached_property
+    def _sigmas(self) -> Array:
+        """Stiffness, damping and viscosity of each element (3, n)."""
+        law = self.law
+        return np.stack(np.broadcast_arrays(*(np.atleast_1d(s) for s in (law.stiffness, law.damping, law.viscosity))))
 
     def advance(
         self,
@@ -65,35 +73,20 @@ class SkinPatch:
         stability needs. Raises ValueError where `substeps` are too few.
         """
         count = count_substeps(dt_s, self.longest_step, substeps)
-        h = dt_s / count
         law = self.law
-        loaded = (normal_force > 0)[:, None]
-        sigma0, sigma1, sigma2 = (
-            np.asarray(sigma, dtype=np.float64)[..., None] * loaded
-            for sigma in (law.stiffness, law.damping, law.viscosity)
+        patch, bristle, slip, force = advance_elements(
+            np.concatenate((state.displacement, state.velocity)),
+            state.bristle,
+            state.slip,
+            np.ascontiguousarray(drive, dtype=np.float64),
+            np.ascontiguousarray(next_drive, dtype=np.float64),
+            np.ascontiguousarray(normal_force, dtype=np.float64),
+            self._sigmas,
+            (law.static, law.dynamic, law.stribeck_m_per_s),
+            (self.mass_kg, self.stiffness, self.damping),
+            (count, dt_s / count),
         )
-        u, w, slip = state.displacement, state.velocity, state.slip
-        z = law.hold(state.bristle, normal_force) * loaded
-        change = np.zeros_like(z)
-        relative = drive - w
-        forgotten, reach = self._memory(relative, normal_force, h)
-        for number in range(count):
-            body = drive + (next_drive - drive) * ((number + 0.5) / count)
-            grip = sigma1 * reach + sigma2 * h
-            impulse = ((h * sigma0 - sigma1 * forgotten) * z + grip * body).sum(axis=0) - h * self.stiffness * u
-            w = (self.mass_kg * w + impulse) / (self.mass_kg + h * self.damping + grip.sum())
-            relative = body - w
-            forgotten, reach = self._memory(relative, normal_force, h)
-            change = (reach * relative - forgotten * z) * loaded
-            z = z + change
-            slip = slip + (h * relative - change) * loaded
-            u = u + h * w
-        force = sigma0 * z + sigma1 * change / h + sigma2 * relative
-        return PatchState(u, w, z, slip, force)
-
-    def _memory(self, velocity: Array, normal_force: Array, h: float) -> tuple[Array, Array]:
-        forgotten, reach = self.law.memory(velocity, normal_force, h)
-        return forgotten[:, None], reach[:, None]
+        return PatchState(patch[:2], patch[2:], bristle, slip, force)
 
     def utilisation(self, state: PatchState, drive: Array, normal_force: Array) -> Array:
         """|sigma0 z| / g of each element (n,): 0 unstrained, 1 in steady sliding; 0 without load."""

@@ -112,3 +112,38 @@ def test_too_few_substeps_are_refused():
     assert SKIN.longest_step == pytest.approx(np.sqrt(2e-3 / 24e3))
     with pytest.raises(ValueError, match="so 4 substeps"):
         SKIN.advance(PatchState.at_rest(4), np.zeros((1, 2)), np.zeros((1, 2)), LOAD, DT, substeps=1)
+
+
+def in_numpy(patch, state, drive, next_drive, load, dt, count):
+    """`SkinPatch.advance` from the law's own functions, all elements at a time."""
+    law, h, loaded = patch.law, dt / count, (load > 0)[:, None]
+    sigma0, sigma1, sigma2 = (np.broadcast_to(s, load.shape)[:, None] for s in (law.stiffness, law.damping, 0.2))
+    u, w, slip, z = state.displacement, state.velocity, state.slip, law.hold(state.bristle, load) * loaded
+    forgotten, reach = (part[:, None] for part in law.memory(drive - w, load, h))
+    for number in range(count):
+        body = drive + (next_drive - drive) * ((number + 0.5) / count)
+        grip = (sigma1 * reach + sigma2 * h) * loaded
+        pull = ((h * sigma0 - sigma1 * forgotten) * z * loaded + grip * body).sum(axis=0)
+        w = (patch.mass_kg * w + pull - h * patch.stiffness * u) / (patch.mass_kg + h * patch.damping + grip.sum())
+        forgotten, reach = (part[:, None] for part in law.memory(body - w, load, h))
+        change = (reach * (body - w) - forgotten * z) * loaded
+        z, slip, u = z + change, slip + (h * (body - w) - change) * loaded, u + h * w
+    force = (sigma0 * z + sigma1 * change / h + sigma2 * (body - w)) * loaded
+    return PatchState(u, w, z, slip, force)
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_the_compiled_step_is_the_law_element_by_element(shared):
+    rng = np.random.default_rng(0)
+    patch = SkinPatch(LuGre(BRISTLES, damping=0.3, viscosity=0.2), mass_kg=2e-3, stiffness=12e3, damping=1.0)
+    ours = theirs = PatchState.at_rest(4)
+    drive = np.zeros((1 if shared else 4, 2))
+    for _ in range(300):
+        following = drive + 2e-3 * rng.standard_normal(drive.shape)
+        load = np.maximum(LOAD * rng.uniform(-0.2, 1.0, 4), 0.0)  # also cut back, also let go
+        ours = patch.advance(ours, drive, following, load, DT, substeps=5)
+        theirs = in_numpy(patch, theirs, drive, following, load, DT, 5)
+        drive = following
+    for name in ("displacement", "velocity", "bristle", "slip", "force"):
+        mine, reference = getattr(ours, name), getattr(theirs, name)
+        assert np.abs(mine - reference).max() <= 1e-12 * np.abs(reference).max(), name
