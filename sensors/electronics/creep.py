@@ -31,6 +31,11 @@ class Creep:
         if min(self.depths, default=0) < 0 or sum(self.depths) >= 1:
             raise ValueError("creep needs depths >= 0 that sum to less than 1")
 
+    def closed(self, load: NDArray[np.float64]) -> NDArray[np.float64]:
+        """u, the share of the sheet's contacts that a load (N) closes: 0 without load, towards 1."""
+        load = np.maximum(load, 0)
+        return load / (load + self.closing_force_n)
+
     def factor(self, load: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
         """What multiplies the equilibrium conductance under loads (T, ...; N) sampled at `rate_hz`, from rest.
 
@@ -38,8 +43,7 @@ class Creep:
         """
         from scipy.signal import lfilter
 
-        load = np.maximum(load, 0)
-        closed = load / (load + self.closing_force_n)
+        closed = self.closed(load)
         lost = np.zeros(np.shape(load))
         for time_s, depth in zip(self.times_s, self.depths, strict=True):
             keep = np.exp(-1 / (time_s * rate_hz))

@@ -17,6 +17,8 @@ from sensors.electronics.creep import Creep
 from sensors.electronics.hysteresis import PrandtlIshlinskii
 from sensors.electronics.scanning import Scanning, correct_grounded_rows, scan
 
+_CALIBRATED_N = 200.0
+"""Beyond this load the static calibration of a creeping sheet goes on at unit slope."""
 Preset = Literal["fvsight", "velostat"]
 
 LOW_HYSTERESIS = PrandtlIshlinskii((0.5, 2.0, 6.0, 15.0), (0.004,) * 4)
@@ -48,6 +50,14 @@ class PiezoresistiveChain:
     rows: int = 4
     correct_crosstalk: bool = True
 
+    def __post_init__(self) -> None:
+        if self.compensate_hysteresis and (self.hysteresis is None or self.creep is not None):
+            raise ValueError("compensate_hysteresis needs a chain with hysteresis and without creep: set creep=None")
+        if min(self.supply_v, self.divider_ohm, self.midscale_force_n, self.exponent, self.rate_hz) <= 0:
+            raise ValueError("a chain needs supply, divider, midscale force, exponent and rate > 0")
+        if min(self.rest_conductance_s, self.noise_v, self.press_spread) < 0 or self.adc_bits < 1 or self.rows < 1:
+            raise ValueError("a chain needs rest conductance, noise and spread >= 0, adc_bits and rows >= 1")
+
     @property
     def conductance_coefficient(self) -> float:
         """c in S / N^exponent: the divider gives half the supply at `midscale_force_n`."""
@@ -55,7 +65,11 @@ class PiezoresistiveChain:
 
     def respond(self, load: NDArray[np.float64]) -> NDArray[np.float64]:
         """Hysteretic response (N) to true loads (T, taxels)."""
-        return load if self.hysteresis is None else self.hysteresis.respond(load)
+        return load if self.hysteresis is None else self._in_closed_contacts(load, self.hysteresis.respond(load))
+
+    def _in_closed_contacts(self, load: NDArray[np.float64], response: NDArray[np.float64]) -> NDArray[np.float64]:
+        """A creeping sheet is hysteretic where its contacts are closed: a released one has no remanence."""
+        return response if self.creep is None else load + (response - load) * self.creep.closed(load)
 
     def conductance(
         self, response: NDArray[np.float64], gain: NDArray[np.float64] | float = 1.0
@@ -94,9 +108,17 @@ class PiezoresistiveChain:
             ratio = np.minimum(voltage / self.supply_v, 1 - 2.0**-self.adc_bits)
             excess = ratio / (1 - ratio) / self.divider_ohm - self.rest_conductance_s
         response = np.sign(excess) * (np.abs(excess) / self.conductance_coefficient) ** (1 / self.exponent)
-        if self.hysteresis is None:
-            return response
-        return (self.hysteresis.invert if self.compensate_hysteresis else self.hysteresis.invert_loading)(response)
+        return response if self.hysteresis is None else self._undo(self.hysteresis, response)
+
+    def _undo(self, hysteresis: PrandtlIshlinskii, response: NDArray[np.float64]) -> NDArray[np.float64]:
+        if self.compensate_hysteresis:
+            return hysteresis.invert(response)
+        if self.creep is None:
+            return hysteresis.invert_loading(response)
+        knots = np.concatenate(([0.0], np.geomspace(1e-3, _CALIBRATED_N, 800)))
+        values = self._in_closed_contacts(knots, hysteresis.loading_branch(knots))
+        size = np.abs(response)
+        return np.sign(response) * (np.interp(size, values, knots) + np.maximum(size - values[-1], 0))
 
     def read(
         self,
@@ -132,7 +154,7 @@ VELOSTAT = PiezoresistiveChain(
     rest_conductance_s=2e-5,
     exponent=0.95,
     hysteresis=PrandtlIshlinskii((0.5, 2.0, 6.0, 15.0), (0.03,) * 4),
-    creep=Creep((0.32, 2.0), (0.155, 0.075), closing_force_n=0.3),
+    creep=Creep((0.32, 2.0), (0.14, 0.095), closing_force_n=0.3),
     press_spread=0.2,
 )
 """A bare carbon-filled sheet: creep, overshoot and spread chosen inside what public recordings of Velostat show.

@@ -21,7 +21,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sensors.compiled import compiled
+
 Array = NDArray[np.float64]
+
+_IN_CACHE = 8000
+"""Numbers in the largest temporary of `LuGre.follow`: larger ones cost more to allocate than to fill."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +106,32 @@ class LuGre:
         after = self.relax(held, 0.5 * (velocity + next_velocity), normal_force, dt_s)
         return after, self.force(after, next_velocity, normal_force)
 
+    def follow(self, velocity: Array, normal_force: Array, dt_s: float) -> tuple[Array, Array]:
+        """A whole prescribed motion from unstrained bristles: `advance` for every step, in one compiled pass.
+
+        velocity (T, n, d; m/s) and normal_force (T, n; N) of n elements. Returns bristles (m) and forces (N), each
+        (T, n, d), at every sample. Raises ValueError for other shapes, fewer than one sample, or dt_s <= 0.
+        """
+        velocity, normal_force = np.asarray(velocity, dtype=np.float64), np.asarray(normal_force, dtype=np.float64)
+        if velocity.ndim != 3 or velocity.shape[:2] != normal_force.shape or len(velocity) < 1:
+            raise ValueError(
+                "expected velocity (T, n, d) and normal_force (T, n) with T >= 1, "
+                f"got {velocity.shape} and {normal_force.shape}"
+            )
+        if not dt_s > 0:
+            raise ValueError(f"dt_s must be > 0, got {dt_s}")
+        bristle, force = np.zeros_like(velocity), np.empty_like(velocity)
+        stiffness = np.broadcast_to(np.asarray(self.stiffness, dtype=np.float64), normal_force.shape[1:])
+        steps = max(1, _IN_CACHE // max(1, velocity[0].size))
+        for first in range(0, len(velocity), steps):
+            # a stretch begins with the last sample of the one before
+            part = slice(max(first - 1, 0), first + steps)
+            middle, load = 0.5 * (velocity[part][:-1] + velocity[part][1:]), normal_force[part][1:]
+            forgotten, reach = self.memory(middle, load, dt_s)
+            _follow_bristles(bristle[part], stiffness, self.static * load, forgotten, middle * reach[..., None])
+            force[part] = self.force(bristle[part], velocity[part], normal_force[part])
+        return bristle, force
+
     def relax(self, bristle: Array, velocity: Array, normal_force: Array, dt_s: float) -> Array:
         """The bristle after `dt_s` at a constant velocity: z e^(-a dt) + v (1 - e^(-a dt)) / a."""
         forgotten, reach = self.memory(velocity, normal_force, dt_s)
@@ -122,6 +153,26 @@ class LuGre:
         damping = np.asarray(self.damping, dtype=np.float64)
         least = 4 * self.dynamic * normal_force * (damping + self.viscosity)
         return np.divide(least, damping**2, out=np.full(np.broadcast(least, damping).shape, np.inf), where=damping > 0)
+
+
+@compiled
+def _follow_bristles(bristle: Array, stiffness: Array, most: Array, forgotten: Array, pulled: Array) -> None:
+    """Fill bristle[1:] from bristle[0]."""
+    steps, elements, axes = pulled.shape
+    for t in range(steps):
+        for i in range(elements):
+            if most[t, i] <= 0:
+                continue
+            square = 0.0
+            for axis in range(axes):
+                square += bristle[t, i, axis] * bristle[t, i, axis]
+            cut = 1.0
+            # the root is the slow part, and few steps need it
+            if stiffness[i] * stiffness[i] * square > most[t, i] * most[t, i] * (1 - 1e-12):
+                cut = min(1.0, most[t, i] / (stiffness[i] * np.sqrt(square)))
+            for axis in range(axes):
+                held = bristle[t, i, axis] * cut
+                bristle[t + 1, i, axis] = held - held * forgotten[t, i] + pulled[t, i, axis]
 
 
 def _speed(velocity: Array) -> Array:

@@ -56,3 +56,17 @@ def test_response_does_not_depend_on_the_rate():
 def test_bad_weights_are_refused(bad):
     with pytest.raises(ValueError, match=r"thresholds|weights"):
         PrandtlIshlinskii(*bad)
+
+
+def test_the_inverse_undoes_any_history():
+    rng = np.random.default_rng(5)
+    force = np.cumsum(rng.normal(0, 0.8, (3000, 4)), axis=0)
+    assert HYSTERESIS.invert(HYSTERESIS.respond(force)) == pytest.approx(force, abs=1e-10)
+    assert HYSTERESIS.respond(HYSTERESIS.invert(force)) == pytest.approx(force, abs=1e-10)
+    assert np.abs(HYSTERESIS.respond(force) - force).max() > 0.1
+
+
+def test_the_inverse_does_not_ask_for_an_order_of_thresholds():
+    mixed = PrandtlIshlinskii((6.0, 0.5, 6.0, 0.0), (0.03, 0.05, 0.1, 0.2))
+    force = np.cumsum(np.random.default_rng(6).normal(0, 1, (800, 2)), axis=0)
+    assert mixed.invert(mixed.respond(force)) == pytest.approx(force, abs=1e-10)

@@ -144,3 +144,24 @@ def test_impossible_laws_are_refused(change):
 def test_a_step_without_length_is_refused():
     with pytest.raises(ValueError, match="dt_s"):
         LuGre(1e4).advance(np.zeros(2), np.zeros(2), np.zeros(2), np.array(1.0), 0.0)
+
+
+def test_a_motion_followed_whole_is_the_same_step_by_step():
+    rng = np.random.default_rng(4)
+    law = LuGre(np.geomspace(1e3, 1e6, 7), damping=0.3, viscosity=0.4)
+    # two stretches of what fits in the cache, and loads that vanish now and then
+    velocity, load = rng.normal(0, 0.02, (900, 7, 2)), np.maximum(rng.normal(1, 1, (900, 7)), 0)
+    bristles, forces = law.follow(velocity, load, DT)
+    bristle = np.zeros((7, 2))
+    for t in range(1, 900):
+        bristle, force = law.advance(bristle, velocity[t - 1], velocity[t], load[t], DT)
+        assert np.array_equal(bristle, bristles[t])
+        assert np.array_equal(force, forces[t])
+    assert np.abs(forces).max() > 0.5
+
+
+def test_a_motion_of_the_wrong_shape_is_refused():
+    with pytest.raises(ValueError, match="expected velocity"):
+        LuGre(1e4).follow(np.zeros((5, 2)), np.zeros(5), DT)
+    with pytest.raises(ValueError, match="dt_s"):
+        LuGre(1e4).follow(np.zeros((5, 1, 2)), np.zeros((5, 1)), 0.0)
