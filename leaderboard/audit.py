@@ -76,6 +76,31 @@ def _near(probe: Row, best: Row, margin: float) -> bool:
     return bool(probe["high"] >= best["low"] if higher else probe["low"] <= best["high"])
 
 
+def reached(cells: pd.DataFrame, margin: float = PROBE_MARGIN) -> dict[str, str]:
+    """Return, for the key of each method's record whose score a probe of its protocol comes near, what to say of it.
+
+    Near as in `probes_table`, but to this score rather than the best; of several probes the strongest is named.
+    """
+    kept = latest(cells)
+    kept = kept[kept["state"] == "ok"].dropna(subset=["value"])
+    probes: dict[tuple[Any, ...], list[Row]] = {}
+    for row in records_of(kept[kept["role"] == "probe"]):
+        probes.setdefault(tuple(row[name] for name in PROTOCOL), []).append(row)
+    said = {}
+    for row in records_of(kept[kept["role"] == "method"]):
+        rivals = [p for p in probes.get(tuple(row[name] for name in PROTOCOL), []) if p["metric"] == row["metric"]]
+        near = [probe for probe in rivals if _near(probe, row, margin)]
+        if near:
+            sign = 1 if row["direction"] == "higher" else -1
+            said[str(row["key"])] = _reached_by(max(near, key=lambda probe: sign * probe["value"]))
+    return said
+
+
+def _reached_by(probe: Row) -> str:
+    name = f"“{title(MODALITIES, probe['modality'])}” ({title(METHODS, probe['method'])})"
+    return f"a probe comes near: {name} reaches {probe['value']:.1f} {probe['unit']}"
+
+
 def probe_warning(row: Row) -> str:
     """Return the sentence that stands wherever the score of a warned protocol is shown."""
     unit = row["unit"]

@@ -1,7 +1,7 @@
 """Two methods on the same samples: difference, is it real, and are they equal for practical purposes.
 
 The tests look at groups as the intervals do: Student's t on the linearised standard error; where too few groups
-differ, Bonett and Price with groups as trials. With ten groups or more p is never smaller than what flipping the
+differ, Bonett and Price. With ten groups or more p is never smaller than what flipping the
 signs of the groups that differ can give, 2^(1 - d).
 
 References: Lakens, Social Psychological and Personality Science 8 (2017), two one-sided tests; Bonett and Price (2012).
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -58,7 +59,7 @@ def difference_p(d: Groups) -> float:
 def one_sided(d: Groups, at: float) -> float:
     """Return the probability of a mean as small as this one or smaller where the truth is `at`."""
     if few_differ(d):
-        centre, error = bonett_price(d.means)
+        centre, error = bonett_price(d)
         return float(ndtr((centre - at) / error))
     error = d.standard_error
     return float(stdtr(d.count - 1, (d.mean - at) / error)) if error > 0 else float(d.mean > at)
@@ -80,16 +81,25 @@ def holm(p: ArrayLike) -> FloatArray:
     return adjusted
 
 
-def verdicts(comparisons: Sequence[Comparison], level: float = 0.95) -> list[str]:
-    """Return "first better", "second better", "equivalent" or "undecided" for each, Holm-adjusted over all of them."""
+@dataclass(frozen=True)
+class Verdict:
+    """What a family of comparisons lets one say of one of them: `word`, and the p-values after Holm's step-down."""
+
+    word: Literal["first better", "second better", "equivalent", "undecided"]
+    p: float
+    p_equivalent: float
+
+
+def verdicts(comparisons: Sequence[Comparison], level: float = 0.95) -> list[Verdict]:
+    """Return the verdict on each of a family; equivalence wins over a difference that is real but below the margin."""
     different = holm([c.p for c in comparisons])
     equal = holm([c.p_equivalent for c in comparisons])
-    words = []
+    made = []
     for c, p, q in zip(comparisons, different, equal, strict=True):
+        word: Literal["first better", "second better", "equivalent", "undecided"] = "undecided"
         if q <= 1 - level:
-            words.append("equivalent")
+            word = "equivalent"
         elif p <= 1 - level:
-            words.append("first better" if c.difference.value > 0 else "second better")
-        else:
-            words.append("undecided")
-    return words
+            word = "first better" if c.difference.value > 0 else "second better"
+        made.append(Verdict(word, float(p), float(q)))
+    return made

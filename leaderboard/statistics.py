@@ -23,7 +23,7 @@ BOOTSTRAP = "bootstrap over groups, expanded percentile"
 STUDENT = "Student t over groups"
 WILSON_EFFECTIVE = "Wilson on the effective sample size (too few groups differ to resample)"
 WILSON_GROUPS = "Wilson on the number of groups (all groups perfect, or all zero)"
-BONETT_PRICE = "Bonett-Price on the number of groups (few groups differ)"
+BONETT_PRICE = "Bonett-Price (too few groups differ to resample)"
 
 FEW_GROUPS = 10  # below this a bootstrap has too few distinct resamples; Student t takes over
 FEW_DIFFERING = 5  # with fewer groups off the common value, resampling does not see the tail
@@ -101,7 +101,8 @@ def paired_group_difference(
     """Return the mean of `correct_a - correct_b` on the same samples with an interval over groups.
 
     All three are (n,), aligned sample by sample. Pairing removes what both methods find hard alike. Method as in
-    `group_interval`; where fewer than five groups differ, Bonett-Price with groups as trials. ValueError as there.
+    `group_interval`; where fewer than five of ten groups or more differ, or all by the same, Bonett-Price. ValueError
+    as there.
     """
     _check_level(level)
     a, b = _scores(correct_a, "correct_a", 0.0, 1.0), _scores(correct_b, "correct_b", 0.0, 1.0)
@@ -113,9 +114,8 @@ def paired_group_difference(
 def difference_of(g: Groups, level: float = 0.95, seed: int = 0) -> Interval:
     """Return `paired_group_difference` from the groups' sums of differences alone."""
     _check_level(level)
-    means = g.means
     if few_differ(g):
-        centre, error = bonett_price(means)
+        centre, error = bonett_price(g)
         half = float(ndtri(0.5 + level / 2)) * error
         low, high, method = min(centre - half, g.mean), max(centre + half, g.mean), BONETT_PRICE
     else:
@@ -124,8 +124,9 @@ def difference_of(g: Groups, level: float = 0.95, seed: int = 0) -> Interval:
 
 
 def few_differ(g: Groups) -> bool:
-    """Whether too few groups show a difference (or all the same one) for their spread to tell anything."""
-    return bool(np.ptp(g.means) <= 1e-12 or int((g.means != 0).sum()) < min(FEW_DIFFERING, g.count))
+    """Whether too few groups show a difference (of few groups: whether all show the same one) to read their spread."""
+    alike = bool(np.ptp(g.means) <= 1e-12)
+    return alike or (g.count >= FEW_GROUPS and int((g.means != 0).sum()) < FEW_DIFFERING)
 
 
 def _resampled(g: Groups, level: float, seed: int) -> tuple[float, float, str]:
@@ -160,12 +161,18 @@ def _effective_size(g: Groups, level: float) -> float:
     return max(1.0, n * (z / t) ** 2)
 
 
-def bonett_price(means: FloatArray) -> tuple[float, float]:
-    """Return centre and standard error of Bonett and Price's difference of paired proportions, groups as trials."""
-    n = len(means) + 2
-    up = (float(means[means > 0].sum()) + 1) / n
-    down = (float(-means[means < 0].sum()) + 1) / n
-    return up - down, sqrt((up + down - (up - down) ** 2) / n)
+def bonett_price(g: Groups) -> tuple[float, float]:
+    """Return centre and standard error of Bonett and Price's difference of paired proportions.
+
+    Trials are the groups. Of fewer than ten, all alike, they are the samples, docked for the groups being few: three
+    units in which two methods never differ tell more than three coin flips.
+    """
+    up, down, trials = float(g.means[g.means > 0].sum()), float(-g.means[g.means < 0].sum()), float(g.count)
+    if 1 < g.count < FEW_GROUPS:
+        trials = max(trials, g.n * (float(ndtri(0.975)) / float(stdtrit(g.count - 1, 0.975))) ** 2)
+        up, down = trials * max(g.mean, 0.0), trials * max(-g.mean, 0.0)
+    up, down = (up + 1) / (trials + 2), (down + 1) / (trials + 2)
+    return up - down, sqrt((up + down - (up - down) ** 2) / (trials + 2))
 
 
 def _scores(values: ArrayLike, name: str, low: float, high: float) -> FloatArray:

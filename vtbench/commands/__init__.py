@@ -8,6 +8,7 @@ from vtbench.commands import (
     board,
     bring,
     check,
+    compare,
     env,
     frame_cost,
     generate,
@@ -16,6 +17,7 @@ from vtbench.commands import (
     run,
     score_slip,
     show,
+    slip_cost,
 )
 
-MODULES = (listing, objects, check, generate, bring, show, run, score_slip, board, frame_cost, env)
+MODULES = (listing, objects, check, generate, bring, show, run, score_slip, board, compare, frame_cost, slip_cost, env)
