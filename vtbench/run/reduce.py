@@ -62,7 +62,7 @@ class Reducer:
         if size is None or size >= whole.train.shape[1]:
             return whole
         # principal components are nested: the first ones of a larger fit are those of a smaller one
-        scale = _unit_scale(whole.train[:, :size])
+        scale = unit_scale(whole.train[:, :size])
         return Reduced(whole.train[:, :size] * scale, whole.test[:, :size] * scale, whole.us_per_sample)
 
     def _whole(self, block: Block, train: NDArray[np.int64], test: NDArray[np.int64]) -> Reduced:
@@ -92,7 +92,7 @@ def _scaled(train: Features, test: Features, n_components: int | None) -> Reduce
     return Reduced(reduced_train, reduced_test, (time.perf_counter() - start) / len(test) * 1e6)
 
 
-def _unit_scale(x: Floats) -> float:
+def unit_scale(x: Floats) -> float:
     """Factor that brings rows to mean squared norm 1; 1 where all rows are zero."""
     energy = float(np.mean(np.sum(np.square(x, dtype=np.float64), axis=1)))
     return energy**-0.5 if energy > 0 else 1.0
