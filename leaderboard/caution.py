@@ -17,6 +17,8 @@ FEW = "fewer than ten groups: where groups differ much, nominal 95 % covers as l
 EDGE = "fewer than a hundred groups near 0 or 100 %: nominal 95 % covers 88 to 100 %, by how much groups differ"
 WIDE = "hardly any group differs, so the interval leans to the safe side: nominal 95 % covers 97 to 100 %"
 
+UNEVEN = "fewer than a hundred groups: where a difference sits in few of them, nominal 95 % covers 92 %"
+
 
 def coverage_warning(method: str, groups: int, value: float, *, difference: bool = False) -> str:
     """Return why the interval of a share, or of a difference of shares, may not cover what it says, or nothing.
@@ -29,4 +31,6 @@ def coverage_warning(method: str, groups: int, value: float, *, difference: bool
         return FEW
     if not difference and groups < MANY_GROUPS and not 1 - NEAR <= value <= NEAR:
         return EDGE
-    return WIDE if method in (WILSON_EFFECTIVE, WILSON_GROUPS, BONETT_PRICE) else ""
+    if method in (WILSON_EFFECTIVE, WILSON_GROUPS, BONETT_PRICE):
+        return WIDE
+    return UNEVEN if difference and groups < MANY_GROUPS else ""

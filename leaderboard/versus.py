@@ -92,7 +92,7 @@ def compare_pairs(
     `near` are the probe warnings by key (`audit.reached`).
 
     Scores without tallies on the same samples are compared by their intervals, and the result says so. ValueError for
-    records of different samples, or of a score that is no share.
+    records of different samples or metrics.
     """
     made = [_compare(a, b, tallies, margin) for a, b in pairs]
     words: dict[int, Verdict] = {}
@@ -119,10 +119,11 @@ def cost_ratio(a: Record, b: Record) -> tuple[float | None, str]:
 
 
 def usable(records: Iterable[Record]) -> list[Record]:
-    """Return the scored methods, latest last started of equal cells."""
+    """Return the methods scored by a share with an interval; of equal cells on the same data the last started."""
     kept: dict[tuple[str, ...], Record] = {}
     for record in sorted(records, key=lambda r: r.provenance.started):
-        if record.identity.role == "method" and record.status.state == "ok" and record.metrics:
+        scored = record.identity.role == "method" and record.status.state == "ok" and record.metrics
+        if scored and record.metrics[0].unit == "fraction" and record.metrics[0].low is not None:
             kept[(*_cell(record), record.identity.dataset_hash)] = record
     return list(kept.values())
 
@@ -135,11 +136,8 @@ def _compare(a: Record, b: Record, tallies: tuple[Tallies, Tallies], margin: flo
             f"{who.dataset_hash[:12]} and {other.dataset_hash[:12]}, protocol {who.protocol_version} and "
             f"{other.protocol_version}); run both on the same"
         )
-    if a.metrics[0].unit != "fraction" or a.metrics[0].name != b.metrics[0].name:
-        raise ValueError(
-            f"{who.task}: expected shares of the same name to compare, got {a.metrics[0].name!r} in "
-            f"{a.metrics[0].unit!r} and {b.metrics[0].name!r} in {b.metrics[0].unit!r}"
-        )
+    if a.metrics[0].name != b.metrics[0].name:
+        raise ValueError(f"{who.task}: expected one metric, got {a.metrics[0].name!r} and {b.metrics[0].name!r}")
     ours, theirs = tallies[0].get(a.key), tallies[1].get(b.key)
     if ours is not None and theirs is not None and ours.samples == theirs.samples:
         return compare_groups(ours.groups, theirs.groups, margin), True
@@ -152,8 +150,10 @@ def unpaired(a: Record, b: Record, margin: float) -> Comparison:
     Source: Newcombe, Statistics in Medicine 17 (1998), method 10.
     """
     x, y = a.metrics[0], b.metrics[0]
-    if x.low is None or x.high is None or y.low is None or y.high is None:
-        raise ValueError(f"{name_of(a)} and {name_of(b)}: expected intervals to compare, found none")
+    assert x.low is not None
+    assert x.high is not None  # `usable` keeps no others
+    assert y.low is not None
+    assert y.high is not None
     value = x.value - y.value
     down, up = hypot(x.value - x.low, y.high - y.value), hypot(x.high - x.value, y.value - y.low)
     z = float(ndtri(0.975))

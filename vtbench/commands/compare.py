@@ -26,8 +26,8 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         "compare",
         run,
         help="compare methods on the same samples: difference, equivalence, cost",
-        about="One run: the methods named, or the best of each protocol against the others. Two runs: the same cells, or "
-        "the first\nname in the first run against the second name in the second. Differences are paired over groups "
+        about="One run: the methods named, or the best of each protocol against the others. Two runs: the same cells, "
+        "or the first\nname in the first run against the second name in the second. Differences are paired over groups "
         "(presses, units,\nsettings); verdicts are adjusted over all pairs of a protocol (Holm). `equivalent` means "
         "surely closer than the margin\n(two one-sided tests). Speeds of different machines are not compared.",
         examples=(
