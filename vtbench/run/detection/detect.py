@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,31 +68,31 @@ def detect(work: DetectionWork) -> Outcome:
     elif name not in _baselines:
         _baselines[name] = run_detector(BASELINE, work)
     beside = _baselines[name]
+    first = next(work.data.each_force(work.split.folds[0].test[:1]))[1]
+    costs = cost_us(own.fitted[0].detector, seen(first, work.feed))
+    predictions = packed(work, own, beside, costs)
+    return Outcome(work.key, "ok", predictions=predictions, fit_s=fitted_s / len(work.split.folds), predict_us=costs[0])
+
+
+def packed(work: DetectionWork, own: Run, beside: Run, costs_us: tuple[float, float]) -> dict[str, NDArray[Any]]:
+    """The arrays that `detect` promises; `costs_us` is (batch, stream)."""
     tested = np.concatenate([fold.test for fold in work.split.folds])
     fold_of = np.concatenate([np.full(len(fold.test), at, np.int32) for at, fold in enumerate(work.split.folds)])
     betas = np.array([each.beta / each.unit for each in own.fitted])
     kept, kept_beside = Traces.of(own.traces), Traces.of(beside.traces)
-    first = next(work.data.each_force(tested[:1]))[1]
-    batch_us, stream_us = cost_us(own.fitted[0].detector, seen(first, work.feed))
-    return Outcome(
-        work.key,
-        "ok",
-        predictions={
-            "sample_id": work.data.ids[tested],
-            "group": work.split.interval_groups[tested],
-            "fold": fold_of,
-            "label": _called(work, tested, own.traces, betas[fold_of]),
-            "held": kept.values,
-            "held_length": kept.lengths,
-            "beta": betas,
-            "baseline_held": kept_beside.values,
-            "baseline_held_length": kept_beside.lengths,
-            "cost_us": np.array([batch_us, stream_us]),
-            "choices": np.array([json.dumps(each.note, sort_keys=True) for each in own.fitted]),
-        },
-        fit_s=fitted_s / len(work.split.folds),
-        predict_us=batch_us,
-    )
+    return {
+        "sample_id": work.data.ids[tested],
+        "group": work.split.interval_groups[tested],
+        "fold": fold_of,
+        "label": _called(work, tested, own.traces, betas[fold_of]),
+        "held": kept.values,
+        "held_length": kept.lengths,
+        "beta": betas,
+        "baseline_held": kept_beside.values,
+        "baseline_held_length": kept_beside.lengths,
+        "cost_us": np.array(costs_us),
+        "choices": np.array([json.dumps(each.note, sort_keys=True) for each in own.fitted]),
+    }
 
 
 def run_detector(name: str, work: DetectionWork) -> Run:
