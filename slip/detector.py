@@ -139,9 +139,11 @@ class DifferenceDetector(ABC):
 
     def treated_differences(self, force: Floats) -> Floats:
         """Difference finite forces (T, taxels), treat the common mode, divide by the scale; first row 0."""
-        differences = np.zeros(force.shape)
+        differences = np.empty(force.shape)
+        differences[:1] = 0.0
         np.subtract(force[1:], force[:-1], out=differences[1:])
-        differences[1:] = self._treated(differences[1:], force[:-1])
+        if self.common_mode != "keep" or self.scale is not None:
+            differences[1:] = self._treated(differences[1:], force[:-1])
         return differences
 
     def _treated(self, differences: Floats, previous: Floats) -> Floats:

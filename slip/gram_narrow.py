@@ -14,7 +14,7 @@ from numpy.lib.stride_tricks import as_strided
 from slip.samples import Floats
 
 TILE = 24  # samples per small matrix product
-VALUES_PER_BLOCK = 400_000  # lags x samples held at a time
+VALUES_PER_BLOCK = 180_000  # lags x samples held at a time: two such arrays stay near a core
 LONGEST_BLOCK = 8_192
 
 
@@ -29,13 +29,14 @@ def narrow_scores(differences: Floats, window: int) -> Floats:
     rows = tiles * TILE
     block = rows - window + 1
     blocks = -(-samples // block)
-    padded = np.zeros((blocks * block + 2 * window - 2, taxels))
-    padded[2 * window - 2 : 2 * window - 2 + samples] = differences
+    reach = 2 * window - 2  # samples before a block that its first window's first row looks back on
+    held = np.zeros((block + reach, taxels))
     lagged = LaggedProducts(tiles, window, taxels)
     past, future, both = np.zeros((window, rows)), np.empty(rows), np.empty(block)
     scores = np.empty(blocks * block)
     for first in range(0, blocks * block, block):
-        products = lagged.compute(padded[first : first + rows + window - 1])
+        _hold(held, differences, first - reach)
+        products = lagged.compute(held)
         for lag in range(1, window):
             np.add(past[lag - 1], products[lag], out=past[lag])
         best = scores[first : first + block]
@@ -47,6 +48,13 @@ def narrow_scores(differences: Floats, window: int) -> Floats:
             np.add(future[start : start + block], past[start, start : start + block], out=both)
             np.maximum(best, both, out=best)
     return scores[:samples]
+
+
+def _hold(held: Floats, differences: Floats, start: int) -> None:
+    """Put the differences from sample `start` on into `held`; zero before the first and after the last."""
+    first, last = max(-start, 0), min(len(differences) - start, len(held))
+    held[:first] = held[last:] = 0.0
+    held[first:last] = differences[start + first : start + last]
 
 
 class LaggedProducts:
