@@ -7,14 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fusion.komp import FloatArray, IntArray
+from fusion.arrays import FloatArray, IntArray
+from fusion.compiled import compiled
+from fusion.gram import Gram
+from fusion.pairs import gram_value
 
 MASK_STEP = 1.0
 
 
 def class_residual(
-    grams: Sequence[FloatArray],
-    kernels: Sequence[FloatArray],
+    gram: Gram,
+    kernels: FloatArray,
     indices: IntArray,
     coefs: FloatArray,
     atom_class: IntArray,
@@ -25,26 +28,41 @@ def class_residual(
 
     r_c = sum_m w_m (-2 kappa_m(s, D_c) x_mc + x_mc' kappa_m(D_c, D_c) x_mc), as in the FVSight paper, eq. 4
     and 6. The query's own kappa(s, s) is the same for every class and stays out: added, it swallows the
-    others where a narrow kernel makes them small. `indices` is (q, k), -1 in unused places, `coefs`
-    (M, q, k).
+    others where a narrow kernel makes them small. `kernels` is (M, q, n), `indices` (q, k), -1 in unused
+    places, `coefs` (M, q, k).
     """
-    n_queries, width = indices.shape
-    rows = np.arange(n_queries)
-    filled = indices >= 0
-    atoms = np.where(filled, indices, 0)
-    place_class = atom_class[atoms]
-    residual = np.zeros((n_queries, n_classes))
-    has_atom = np.zeros((n_queries, n_classes), dtype=bool)
-    for place in range(width):
-        mine = place_class[:, place]
-        has_atom[rows, mine] |= filled[:, place]
-        for gram, kernel, x, weight in zip(grams, kernels, coefs, weights, strict=True):
-            inner = -2.0 * kernel[rows, atoms[:, place]]
-            for other in range(width):
-                same = np.where(place_class[:, other] == mine, x[:, other], 0.0)
-                inner += same * gram[atoms[:, place], atoms[:, other]]
-            residual[rows, mine] += weight * x[:, place] * inner
+    residual = np.zeros((len(indices), n_classes))
+    has_atom = np.zeros((len(indices), n_classes), dtype=np.bool_)
+    _add_residuals(gram, kernels, indices, coefs, atom_class, np.array(weights, dtype=np.float64), residual, has_atom)
     return residual, has_atom
+
+
+@compiled
+def _add_residuals(
+    gram: Gram,
+    kernels: FloatArray,
+    indices: IntArray,
+    coefs: FloatArray,
+    atom_class: IntArray,
+    weights: FloatArray,
+    residual: FloatArray,
+    has_atom: NDArray[np.bool_],
+) -> None:
+    n_queries, width = indices.shape
+    for q in range(n_queries):
+        for place in range(width):
+            atom = indices[q, place]
+            if atom < 0:
+                continue
+            mine = atom_class[atom]
+            has_atom[q, mine] = True
+            for m in range(len(weights)):
+                inner = -2.0 * kernels[m, q, atom]
+                for other in range(width):
+                    partner = indices[q, other]
+                    if partner >= 0 and atom_class[partner] == mine:
+                        inner += coefs[m, q, other] * gram_value(gram, m, atom, partner)
+                residual[q, mine] += weights[m] * coefs[m, q, place] * inner
 
 
 def class_scores(residual: FloatArray, has_atom: NDArray[np.bool_]) -> FloatArray:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fusion.komp import FloatArray, finite_matrix
+from fusion.arrays import FloatArray, finite_matrix
 
 FLAT = 1e-12  # of the largest variance: below it a direction holds rounding only
 

@@ -1,4 +1,4 @@
-"""The l1 form of kernel sparse coding: coordinate descent on the Gram matrix, all queries in step.
+"""The l1 form of kernel sparse coding: coordinate descent on the Gram matrix.
 
 min over x of  sum_m w_m |phi_m(s) - phi_m(D) x_m|^2 / 2  +  penalty lambda_max sum_i (sum_m w_m x_mi^2)^(1/2)
 
@@ -9,16 +9,23 @@ the scale of the query's kernel row, so that far queries of a narrow RBF kernel 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from fusion.komp import CHUNK_BYTES, FloatArray, SparseCodes, map_threads
+from fusion.arrays import FloatArray, plain
+from fusion.compiled import compiled, unsigned
+from fusion.gram import Gram
+from fusion.komp import SparseCodes
+from fusion.threads import map_threads
+
+CHUNK_BYTES = 2**22  # of dense codes that a thread takes at once
 
 
 def gram_lasso(
-    grams: Sequence[FloatArray],
-    kernels: Sequence[FloatArray],
+    gram: Gram,
+    kernels: FloatArray,
     penalty: float,
     *,
     weights: Sequence[float] | None = None,
@@ -28,62 +35,93 @@ def gram_lasso(
 ) -> SparseCodes:
     """Codes of q queries over n atoms, one row support for the M modalities.
 
-    `grams` are M arrays (n, n), `kernels` M arrays (q, n), `weights` M positive numbers. `penalty` lies in
-    (0, 1). A query is done when no step of a sweep moves the gradient by more than `tol` lambda_max, or after
-    `max_sweeps` sweeps (near copies among the atoms take many). The support is in order of atom index.
+    `gram` holds M stored Gram matrices, `kernels` is (M, q, n), `weights` M positive numbers. `penalty` lies
+    in (0, 1). A query is done when no step of a sweep moves the gradient by more than `tol` lambda_max, or
+    after `max_sweeps` sweeps (near copies among the atoms take many). The support is in order of atom index.
     """
     if not 0 < penalty < 1:
         raise ValueError(f"penalty must lie between 0 and 1 (a part of lambda_max), got {penalty!r}.")
-    gram = np.stack(grams)
-    roots = np.sqrt(np.ones(len(grams)) if weights is None else np.asarray(weights, dtype=np.float64))
-    n_queries, n_atoms = kernels[0].shape
-    size = max(1, CHUNK_BYTES // (8 * len(grams) * n_atoms))
+    kernels = plain(kernels)
+    n_modalities, n_queries, n_atoms = kernels.shape
+    roots = np.sqrt(np.ones(n_modalities) if weights is None else np.asarray(weights, dtype=np.float64))
+    curvature = gram.diagonals.max(axis=0)
+    codes = np.zeros(kernels.shape)
 
-    def solve(start: int) -> FloatArray:
-        target = np.stack([kernel[start : start + size] for kernel in kernels]) * roots[:, None, None]
-        return _descend(gram, target, penalty, max_sweeps, tol) / roots[:, None, None]
+    def solve(start: int) -> None:
+        stop = min(start + size, n_queries)
+        _descend(gram.stored, curvature, kernels, roots, penalty, max_sweeps, tol, start, stop, codes)
 
-    pieces = map_threads(solve, range(0, max(n_queries, 1), size), n_jobs)
-    return _compress(np.concatenate(pieces, axis=1))
-
-
-def _descend(gram: FloatArray, target: FloatArray, penalty: float, max_sweeps: int, tol: float) -> FloatArray:
-    """Dense codes (M, q, n) for correlations `target` (M, q, n); a query that is done leaves the sweeps."""
-    curvature = np.max(np.diagonal(gram, axis1=1, axis2=2), axis=0)
-    atoms = np.flatnonzero(curvature > 0)
-    codes = np.zeros_like(target)
-    largest = np.max(_norms(target[:, :, atoms]), axis=1, initial=0.0)
-    active = np.flatnonzero(largest > 0)
-    gradient, x, limit = target[:, active], codes[:, active], largest[active]
-    for _ in range(max_sweeps):
-        moved = np.zeros(len(active))
-        wanted = (x != 0).any(axis=0) | (_norms(gradient) > penalty * limit[:, None])
-        for i in atoms[wanted[:, atoms].any(axis=0)]:
-            rows = np.flatnonzero(wanted[:, i])
-            pull = gradient[:, rows, i] + curvature[i] * x[:, rows, i]
-            size = _norms(pull)
-            shrink = np.maximum(size - penalty * limit[rows], 0.0) / np.where(size > 0, size, 1.0)
-            step = shrink * pull / curvature[i] - x[:, rows, i]
-            x[:, rows, i] += step
-            gradient[:, rows] -= step[:, :, None] * gram[:, None, i, :]
-            moved[rows] = np.maximum(moved[rows], curvature[i] * _norms(step))
-        done = moved <= tol * limit
-        codes[:, active[done]] = x[:, done]
-        active, gradient, x, limit = active[~done], gradient[:, ~done], x[:, ~done], limit[~done]
-        if not len(active):
-            break
-    codes[:, active] = x
-    return codes
+    size = max(1, CHUNK_BYTES // (8 * n_modalities * n_atoms))
+    map_threads(solve, range(0, n_queries, size), n_jobs)
+    return _compress(codes)
 
 
-def _norms(values: FloatArray) -> FloatArray:
-    """Euclidean norm over the modalities, the first axis; |value| exactly where there is one."""
+@compiled
+def _descend(
+    grams: FloatArray,
+    curvature: FloatArray,
+    kernels: FloatArray,
+    roots: FloatArray,
+    penalty: float,
+    max_sweeps: int,
+    tol: float,
+    start: int,
+    stop: int,
+    codes: FloatArray,
+) -> None:
+    """Write the dense codes of the queries from `start` to `stop` into `codes` (M, q, n), which is 0."""
+    n_modalities, _, n = kernels.shape
+    gradient = np.empty((n_modalities, n))
+    wanted = np.empty(n, dtype=np.bool_)
+    pull = np.empty(n_modalities)
+    for query in range(start, stop):
+        limit = 0.0
+        for i in range(n):
+            for m in range(n_modalities):
+                gradient[m, i] = kernels[m, query, i] * roots[m]
+            if curvature[i] > 0.0:
+                limit = max(limit, _norm(gradient[:, i]))
+        if limit == 0.0:
+            continue
+        threshold = penalty * limit
+        for _ in range(max_sweeps):
+            moved = 0.0
+            for i in range(n):
+                taken = False
+                for m in range(n_modalities):
+                    taken = taken or codes[m, query, i] != 0.0
+                wanted[i] = curvature[i] > 0.0 and (taken or _norm(gradient[:, i]) > threshold)
+            for i in range(n):
+                if not wanted[i]:
+                    continue
+                for m in range(n_modalities):
+                    pull[m] = gradient[m, i] + curvature[i] * codes[m, query, i]
+                length = _norm(pull)
+                shrink = max(length - threshold, 0.0) / (length if length > 0.0 else 1.0)
+                for m in range(n_modalities):
+                    change = shrink * pull[m] / curvature[i] - codes[m, query, i]
+                    pull[m] = change
+                    codes[m, query, i] += change
+                    if change != 0.0:
+                        for p in range(unsigned(0), unsigned(n)):
+                            gradient[m, p] -= change * grams[m, i, p]
+                moved = max(moved, curvature[i] * _norm(pull))
+            if moved <= tol * limit:
+                break
+        for m in range(n_modalities):
+            for i in range(n):
+                codes[m, query, i] /= roots[m]
+
+
+@compiled
+def _norm(values: FloatArray) -> float:
+    """Euclidean norm over the modalities; |value| exactly where there is one."""
     if len(values) == 1:
-        return np.asarray(np.abs(values[0]))
-    total = values[0] ** 2
-    for value in values[1:]:
-        total += value**2
-    return np.asarray(np.sqrt(total), dtype=np.float64)
+        return abs(values[0])
+    total = 0.0
+    for value in values:
+        total += value * value
+    return math.sqrt(total)
 
 
 def _compress(codes: FloatArray) -> SparseCodes:

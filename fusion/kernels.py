@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from fusion.arrays import FloatArray, plain
+
 Gamma = float | Literal["scale"]
 
 KERNELS = ("linear", "rbf", "precomputed")
@@ -20,24 +20,38 @@ KERNELS = ("linear", "rbf", "precomputed")
 
 def squared_distances(X: FloatArray, Y: FloatArray) -> FloatArray:
     """Squared Euclidean distances of rows of X (q, d) to rows of Y (n, d): (q, n), never negative."""
-    from scipy.spatial.distance import cdist
-
-    return np.asarray(cdist(X, Y, "sqeuclidean"), dtype=np.float64)
+    return pair_matrix(X, columns_of(Y), squared=True)
 
 
 def linear_kernel(X: FloatArray, Y: FloatArray) -> FloatArray:
     """Inner products of rows of X (q, d) with rows of Y (n, d): (q, n)."""
-    return np.asarray(np.matmul(X[:, None, None, :], Y[None, :, :, None])[:, :, 0, 0])
+    return pair_matrix(X, columns_of(Y), squared=False)
+
+
+def columns_of(Y: FloatArray) -> FloatArray:
+    """Rows of Y (n, d) as the columns (d, n) that `pair_matrix` reads."""
+    return plain(np.asarray(Y).T)
+
+
+def pair_matrix(X: FloatArray, columns: FloatArray, *, squared: bool) -> FloatArray:
+    """Squared distances (squared) or inner products of rows of X (q, d) with `columns` (d, n): (q, n)."""
+    from fusion.pairs import pair_sums
+
+    out = np.empty((len(X), columns.shape[1]))
+    pair_sums(plain(X), columns, squared, out)
+    return out
 
 
 def squared_norms(X: FloatArray) -> FloatArray:
-    """Inner product of each row of X (q, d) with itself: (q,)."""
-    return np.asarray(np.matmul(X[:, None, :], X[:, :, None])[:, 0, 0])
+    """Inner product of each row of X (q, d) with itself: (q,), with the bits of `linear_kernel`."""
+    return np.asarray(np.add.accumulate(X * X, axis=1)[:, -1])
 
 
 def rbf_kernel(X: FloatArray, Y: FloatArray, gamma: float) -> FloatArray:
     """exp(-gamma |x - y|^2) between rows of X (q, d) and of Y (n, d): (q, n)."""
-    return np.asarray(np.exp(-gamma * squared_distances(X, Y)))
+    values = squared_distances(X, Y)
+    values *= -gamma
+    return np.asarray(np.exp(values, out=values))
 
 
 def cosine_normalize(K: FloatArray, self_x: FloatArray, self_y: FloatArray) -> FloatArray:
@@ -45,10 +59,11 @@ def cosine_normalize(K: FloatArray, self_x: FloatArray, self_y: FloatArray) -> F
 
     K is (q, n), `self_x` (q,) holds k(x, x), `self_y` (n,) holds k(y, y).
     """
-    return K * _inverse_root(self_x)[:, None] * _inverse_root(self_y)[None, :]
+    return K * inverse_root(self_x)[:, None] * inverse_root(self_y)[None, :]
 
 
-def _inverse_root(values: FloatArray) -> FloatArray:
+def inverse_root(values: FloatArray) -> FloatArray:
+    """1 / sqrt(value), 0 where the value is not positive."""
     positive = values > 0
     return np.where(positive, 1.0 / np.sqrt(np.where(positive, values, 1.0)), 0.0)
 

@@ -1,69 +1,121 @@
-"""One modality of a sparse-coding dictionary: its columns, its weight, its atoms and their Gram matrix."""
+"""One modality of a sparse-coding dictionary: its columns, its weight, its atoms and their kernel."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from fusion.kernels import (
-    FloatArray,
-    cosine_normalize,
-    linear_kernel,
-    rbf_kernel,
-    resolve_gamma,
-    squared_distances,
-    squared_norms,
-)
+from fusion.arrays import FloatArray, plain
+from fusion.gram import LINEAR, Gram, gram_on_demand, stored_gram
+from fusion.kernels import cosine_normalize, inverse_root, pair_matrix, resolve_gamma, squared_norms
+
+KernelName = str | Callable[[FloatArray, FloatArray], FloatArray]
+COMPUTABLE = ("rbf", "linear")  # whose Gram rows can be had from the atoms at any time
 
 
 @dataclass(frozen=True, eq=False)
 class Modality:
-    """Atoms (n, d) of one modality with kernel, normalisation and Gram matrix (n, n)."""
+    """Atoms of one modality with kernel and normalisation."""
 
-    kernel: str
+    kernel: KernelName
     gamma: float
     normalize: bool
-    atoms: FloatArray
+    atoms: FloatArray  # (d, n) for "rbf" and "linear", else (n, d) as given
     self_values: FloatArray  # (n,), k(atom, atom) before normalisation
-    gram: FloatArray
 
     @classmethod
-    def fit(cls, atoms: FloatArray, kernel: str, gamma: object, normalize: bool) -> Modality:
-        """Compute the Gram matrix of `atoms` (n, d), or take `atoms` (n, n) for it when precomputed."""
-        width = resolve_gamma(gamma, atoms) if kernel == "rbf" else 1.0
+    def fit(cls, atoms: FloatArray, kernel: KernelName, gamma: object, normalize: bool) -> Modality:
+        """Keep `atoms` (n, d), or the Gram matrix (n, n) in their place when precomputed."""
+        width = resolve_gamma(gamma, atoms) if kernel == "rbf" else LINEAR
         if kernel == "rbf":
-            return cls(kernel, width, normalize, atoms, np.ones(len(atoms)), rbf_kernel(atoms, atoms, width))
-        if kernel == "precomputed" and atoms.shape[0] != atoms.shape[1]:
-            raise ValueError(f"Precomputed kernel must be a square matrix at fit, got shape {atoms.shape}.")
-        gram = linear_kernel(atoms, atoms) if kernel == "linear" else atoms
-        own = gram.diagonal().copy()
-        if normalize:
-            gram = cosine_normalize(gram, own, own)
-            np.fill_diagonal(gram, np.where(own > 0, 1.0, 0.0))
-        return cls(kernel, width, normalize, atoms, own, gram)
+            return cls(kernel, width, normalize, plain(atoms.T), np.ones(len(atoms)))
+        if kernel == "linear":
+            return cls(kernel, width, normalize, plain(atoms.T), squared_norms(atoms))
+        if kernel == "precomputed":
+            if atoms.shape[0] != atoms.shape[1]:
+                raise ValueError(f"Precomputed kernel must be a square matrix at fit, got shape {atoms.shape}.")
+            return cls(kernel, width, normalize, atoms, atoms.diagonal().copy())
+        return cls(kernel, width, normalize, atoms, own_values(kernel, atoms) if normalize else np.ones(len(atoms)))
+
+    def gram(self) -> FloatArray:
+        """Gram matrix of the atoms: (n, n)."""
+        if self.kernel == "rbf":
+            matrix = pair_matrix(self.atoms.T, self.atoms, squared=True)
+            matrix *= -self.gamma
+            return np.asarray(np.exp(matrix, out=matrix))
+        if self.kernel == "linear":
+            matrix = pair_matrix(self.atoms.T, self.atoms, squared=False)
+        else:
+            matrix = self.atoms if self.kernel == "precomputed" else call_kernel(self.kernel, self.atoms, self.atoms)
+        if self.normalize:
+            matrix = cosine_normalize(matrix, self.self_values, self.self_values)
+            np.fill_diagonal(matrix, np.where(self.self_values > 0, 1.0, 0.0))
+        return matrix
+
+    def diagonal(self) -> FloatArray:
+        """Kernel values of the atoms with themselves, after normalisation: (n,)."""
+        return np.where(self.self_values > 0, 1.0, 0.0) if self.normalize else self.self_values
 
 
-def kernel_rows(modalities: Sequence[Modality], queries: Sequence[FloatArray]) -> list[FloatArray]:
-    """Kernel values of the queries with the atoms, one (q, n) array per modality; `queries` are (q, d_m).
+def dictionary(modalities: Sequence[Modality], store: bool) -> Gram:
+    """The modalities' Gram matrices, stored, or to be computed row by row ("rbf" and "linear" only)."""
+    if store:
+        return stored_gram([m.gram() for m in modalities])
+    normalised = [m.normalize and m.kernel == "linear" for m in modalities]
+    return gram_on_demand(
+        [m.atoms for m in modalities],
+        [m.gamma for m in modalities],
+        [
+            inverse_root(m.self_values) if cosine else np.ones(len(m.self_values))
+            for m, cosine in zip(modalities, normalised, strict=True)
+        ],
+        [m.diagonal() for m in modalities],
+    )
+
+
+def kernel_rows(modalities: Sequence[Modality], queries: Sequence[FloatArray]) -> FloatArray:
+    """Kernel values of the queries with the atoms: (M, q, n); `queries` are M arrays (q, d_m).
 
     RBF rows of a query are multiplied, in all modalities alike, by exp(its smallest exponent): the closest
     atom gets 1, a whole row cannot underflow, and every residual of the query scales by one common factor.
     """
+    rows = np.empty((len(modalities), len(queries[0]), len(modalities[0].self_values)))
+    for modality, part, out in zip(modalities, queries, rows, strict=True):
+        if modality.kernel == "rbf":
+            np.multiply(pair_matrix(part, modality.atoms, squared=True), modality.gamma, out=out)
+            continue
+        if modality.kernel == "linear":
+            kernel, own = pair_matrix(part, modality.atoms, squared=False), squared_norms(part)
+        elif modality.kernel == "precomputed":
+            kernel, own = part, np.ones(len(part))
+        else:
+            kernel = call_kernel(modality.kernel, part, modality.atoms)
+            own = own_values(modality.kernel, part) if modality.normalize else np.ones(len(part))
+        out[:] = cosine_normalize(kernel, own, modality.self_values) if modality.normalize else kernel
     if modalities[0].kernel == "rbf":
-        exponents = [m.gamma * squared_distances(q, m.atoms) for m, q in zip(modalities, queries, strict=True)]
-        shift = np.min([e.min(axis=1) for e in exponents], axis=0)[:, None]
-        return [np.exp(shift - e) for e in exponents]
-    rows = []
-    for modality, part in zip(modalities, queries, strict=True):
-        kernel = linear_kernel(part, modality.atoms) if modality.kernel == "linear" else part
-        if modality.normalize:
-            own = squared_norms(part) if modality.kernel == "linear" else np.ones(len(part))
-            kernel = cosine_normalize(kernel, own, modality.self_values)
-        rows.append(kernel)
+        shift = rows.min(axis=(0, 2))[None, :, None]
+        np.subtract(shift, rows, out=rows)
+        np.exp(rows, out=rows)
     return rows
+
+
+def call_kernel(kernel: KernelName, X: FloatArray, Y: FloatArray) -> FloatArray:
+    """Values (q, n) of a kernel given as a function of the rows X (q, d) and Y (n, d), checked."""
+    assert callable(kernel)
+    values = np.asarray(kernel(X, Y), dtype=np.float64)
+    if values.shape != (len(X), len(Y)):
+        raise ValueError(f"the kernel function must return shape {(len(X), len(Y))}, got {values.shape}.")
+    if not np.isfinite(values).all():
+        raise ValueError("the kernel function returned values that are not finite (NaN or infinity).")
+    return values
+
+
+def own_values(kernel: KernelName, X: FloatArray) -> FloatArray:
+    """Kernel value of each row of X (q, d) with itself, one call of the function a row: (q,)."""
+    return np.array([call_kernel(kernel, row[None], row[None])[0, 0] for row in X])
 
 
 def modality_columns(modalities: Mapping[str, Any], n_features: int) -> dict[str, Any]:

@@ -10,7 +10,8 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fusion.kernels import FloatArray, squared_distances
+from fusion.arrays import FloatArray
+from fusion.kernels import squared_distances
 
 BLOCK_BYTES = 2**25  # of distances per block of queries
 

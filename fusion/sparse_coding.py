@@ -11,13 +11,25 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from fusion.arrays import FloatArray
 from fusion.class_residual import class_residual, class_scores
+from fusion.gram import Gram
 from fusion.gram_lasso import gram_lasso
-from fusion.kernels import KERNELS, FloatArray, Gamma
+from fusion.kernels import KERNELS, Gamma
 from fusion.komp import PivotTol, SparseCodes, joint_komp
-from fusion.modality import Modality, kernel_rows, modality_columns, modality_weights
+from fusion.modality import (
+    COMPUTABLE,
+    KernelName,
+    Modality,
+    dictionary,
+    kernel_rows,
+    modality_columns,
+    modality_weights,
+)
+from fusion.threads import map_threads
 
-BLOCK_BYTES = 2**25  # of kernel rows per block of queries
+BLOCK_BYTES = 2**22  # of kernel rows that a thread takes at once
+STORED_BYTES = 2**30  # of Gram matrices that store_gram="auto" keeps
 WHOLE = "all"
 
 
@@ -29,16 +41,20 @@ class KSC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
     Parameters
     ----------
-    kernel : "rbf", "linear", or "precomputed" (then X is (n, n) at fit and (q, n) later).
+    kernel : "rbf", "linear", "precomputed" (then X is (n, n) at fit and (q, n) later), or a function of two
+        sets of rows (q, d) and (n, d) that returns (q, n), such as `fusion.GlobalAlignment`.
     gamma : RBF width; "scale" is 1 / (columns x variance), a number is used as it is.
     n_nonzero_coefs : most atoms in one code (solver "komp").
     solver : "komp", kernel orthogonal matching pursuit, or "lasso", coordinate descent on the l1 form.
     penalty : l1 weight as a part of the smallest weight at which the code is empty (solver "lasso").
     normalize_kernel : divide k(x, y) by sqrt(k(x, x) k(y, y)); changes nothing for "rbf". With "precomputed"
-        only the atoms' side can be known; a query's scores then carry its own positive factor.
+        only the atoms' side can be known; a query's scores then carry its own positive factor. A kernel
+        function is called once more for each row: say False where its own values are 1 already.
+    store_gram : keep the atoms' Gram matrix (n, n), or compute the rows that a code needs from the atoms, to
+        rounding the same and slower ("rbf" and "linear" with solver "komp"); "auto" keeps up to 1 GiB.
     pivot_tol : see `fusion.kernel_omp_gram`.
     max_sweeps, tol : limits of the solver "lasso".
-    n_jobs : threads over chunks of queries; results do not depend on it.
+    n_jobs : threads over blocks of queries; results do not depend on it.
 
     Attributes
     ----------
@@ -56,13 +72,14 @@ class KSC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
     def __init__(
         self,
-        kernel: Literal["rbf", "linear", "precomputed"] = "rbf",
+        kernel: KernelName = "rbf",
         *,
         gamma: Gamma = "scale",
         n_nonzero_coefs: int = 10,
         solver: Literal["komp", "lasso"] = "komp",
         penalty: float = 0.1,
         normalize_kernel: bool = True,
+        store_gram: bool | Literal["auto"] = "auto",
         pivot_tol: PivotTol = "auto",
         max_sweeps: int = 200,
         tol: float = 1e-4,
@@ -74,6 +91,7 @@ class KSC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         self.solver = solver
         self.penalty = penalty
         self.normalize_kernel = normalize_kernel
+        self.store_gram = store_gram
         self.pivot_tol = pivot_tol
         self.max_sweeps = max_sweeps
         self.tol = tol
@@ -83,18 +101,17 @@ class KSC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         """Keep the rows of X (n, d) as atoms with the labels y (n,)."""
         data, labels = validate_data(self, X, y, dtype=np.float64)
         check_classification_targets(labels)
-        for name, value, allowed in (
-            ("kernel", self.kernel, KERNELS),
-            ("solver", self.solver, ("komp", "lasso")),
-        ):
-            if value not in allowed:
-                raise ValueError(f"{name} must be one of {', '.join(allowed)}; got {value!r}.")
+        if not callable(self.kernel) and self.kernel not in KERNELS:
+            raise ValueError(f"kernel must be one of {', '.join(KERNELS)}, or a function; got {self.kernel!r}.")
+        if self.solver not in ("komp", "lasso"):
+            raise ValueError(f"solver must be one of komp, lasso; got {self.solver!r}.")
         self.classes_, self._atom_class = np.unique(labels, return_inverse=True)
         self._columns = self._modality_columns(data.shape[1])
         self._modalities = {
             name: Modality.fit(data[:, columns], self.kernel, self._modality_gamma(name), self.normalize_kernel)
             for name, columns in self._columns.items()
         }
+        self._gram = dictionary(list(self._modalities.values()), self._stores_gram(len(data)))
         return self
 
     def decision_function(self, X: ArrayLike) -> FloatArray:
@@ -124,28 +141,46 @@ class KSC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         winner = (decision > 0).astype(int) if decision.ndim == 1 else np.argmax(decision, axis=1)
         return np.asarray(self.classes_[winner])
 
+    def _stores_gram(self, n_atoms: int) -> bool:
+        if self.store_gram not in (True, False, "auto"):
+            raise ValueError(f"store_gram must be True, False or 'auto', got {self.store_gram!r}.")
+        possible = self.kernel in COMPUTABLE and self.solver == "komp"
+        if self.store_gram is False and not possible:
+            raise ValueError("store_gram=False needs kernel 'rbf' or 'linear' and solver 'komp'.")
+        small = 8 * len(self._modalities) * n_atoms**2 <= STORED_BYTES
+        return bool(self.store_gram is True or small or not possible)
+
     def _decision(self, X: ArrayLike, weights: Mapping[str, float]) -> FloatArray:
         check_is_fitted(self)
         data = validate_data(self, X, dtype=np.float64, reset=False)
         used = {name: weight for name, weight in weights.items() if weight > 0}
+        places = [place for place, name in enumerate(self._modalities) if name in used]
+        used = {name: used[name] for name in self._modalities if name in used}
+        groups = [(members, self._gram.part([places[i] for i in members])) for members in self._coupled(len(used))]
+        scores = np.empty((len(data), len(self.classes_)))
+
+        def work(start: int) -> None:
+            rows = slice(start, start + block)
+            scores[rows] = self._score_block(data[rows], used, groups)
+
         block = max(1, BLOCK_BYTES // (8 * len(used) * len(self._atom_class)))
-        scores = np.concatenate(
-            [self._score_block(data[start : start + block], used) for start in range(0, len(data), block)]
-        )
+        map_threads(work, range(0, len(data), block), self.n_jobs)
         return scores[:, 1] - scores[:, 0] if len(self.classes_) == 2 else scores
 
-    def _score_block(self, data: FloatArray, weights: Mapping[str, float]) -> FloatArray:
-        modalities = [self._modalities[name] for name in weights]
-        rows = [data[:, self._columns[name]] for name in weights]
-        kernels = kernel_rows(modalities, rows)
-        grams = [m.gram for m in modalities]
+    def _score_block(
+        self, data: FloatArray, weights: Mapping[str, float], groups: list[tuple[list[int], Gram]]
+    ) -> FloatArray:
+        kernels = kernel_rows(
+            [self._modalities[name] for name in weights], [data[:, self._columns[name]] for name in weights]
+        )
         values = list(weights.values())
         residual = np.zeros((len(data), len(self.classes_)))
         has_atom = np.zeros(residual.shape, dtype=bool)
-        for members in self._coupled(len(grams)):
-            g, k, w = [grams[i] for i in members], [kernels[i] for i in members], [values[i] for i in members]
-            codes = self._encode(g, k, w)
-            part, chosen = class_residual(g, k, codes.indices, codes.coefs, self._atom_class, len(self.classes_), w)
+        for members, gram in groups:
+            k = kernels[members[0] : members[-1] + 1]
+            w = [values[i] for i in members]
+            codes = self._encode(gram, k, w)
+            part, chosen = class_residual(gram, k, codes.indices, codes.coefs, self._atom_class, len(self.classes_), w)
             residual += part
             has_atom |= chosen
         return class_scores(residual, has_atom)
@@ -153,25 +188,10 @@ class KSC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     def _coupled(self, n_modalities: int) -> list[list[int]]:
         return [list(range(n_modalities))]
 
-    def _encode(self, grams: list[FloatArray], kernels: list[FloatArray], weights: list[float]) -> SparseCodes:
+    def _encode(self, gram: Gram, kernels: FloatArray, weights: list[float]) -> SparseCodes:
         if self.solver == "lasso":
-            return gram_lasso(
-                grams,
-                kernels,
-                self.penalty,
-                weights=weights,
-                max_sweeps=self.max_sweeps,
-                tol=self.tol,
-                n_jobs=self.n_jobs,
-            )
-        codes, _ = joint_komp(
-            grams,
-            kernels,
-            self.n_nonzero_coefs,
-            weights=weights,
-            pivot_tol=self.pivot_tol,
-            n_jobs=self.n_jobs,
-        )
+            return gram_lasso(gram, kernels, self.penalty, weights=weights, max_sweeps=self.max_sweeps, tol=self.tol)
+        codes, _ = joint_komp(gram, kernels, self.n_nonzero_coefs, weights=weights, pivot_tol=self.pivot_tol)
         return codes
 
 
@@ -205,12 +225,13 @@ class JKSC(KSC):
         *,
         coupling: Literal["shared", "independent"] = "shared",
         weights: Mapping[str, float] | None = None,
-        kernel: Literal["rbf", "linear", "precomputed"] = "rbf",
+        kernel: KernelName = "rbf",
         gamma: Gamma | Mapping[str, Gamma] = "scale",
         n_nonzero_coefs: int = 10,
         solver: Literal["komp", "lasso"] = "komp",
         penalty: float = 0.1,
         normalize_kernel: bool = True,
+        store_gram: bool | Literal["auto"] = "auto",
         pivot_tol: PivotTol = "auto",
         max_sweeps: int = 200,
         tol: float = 1e-4,
@@ -225,6 +246,7 @@ class JKSC(KSC):
         self.solver = solver
         self.penalty = penalty
         self.normalize_kernel = normalize_kernel
+        self.store_gram = store_gram
         self.pivot_tol = pivot_tol
         self.max_sweeps = max_sweeps
         self.tol = tol

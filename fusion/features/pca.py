@@ -11,7 +11,7 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.decomposition import PCA
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fusion.kernels import FloatArray
+from fusion.arrays import FloatArray
 from fusion.modality import modality_columns
 
 WHOLE = "all"

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from fusion.kernels import FloatArray
+from fusion.arrays import FloatArray
 
 Recordings = Sequence[ArrayLike] | NDArray[Any]
 

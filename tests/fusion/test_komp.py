@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sklearn.linear_model import orthogonal_mp_gram
 
+from fusion.gram import stored_gram
 from fusion.kernels import linear_kernel, rbf_kernel
 from fusion.komp import joint_komp, kernel_omp_gram
 
@@ -117,9 +118,10 @@ def test_chunks_and_threads_change_no_bit():
     atoms, queries = rng.normal(size=(70, 5)), rng.normal(size=(33, 5))
     grams = [rbf_kernel(atoms, atoms, g) for g in (0.1, 1.0)]
     kernels = [rbf_kernel(queries, atoms, g) for g in (0.1, 1.0)]
-    whole, energy = joint_komp(grams, kernels, 10, chunk=1000)
+    gram, kernels = stored_gram(grams), np.stack(kernels)
+    whole, energy = joint_komp(gram, kernels, 10, chunk=1000)
     for chunk, n_jobs in ((1, None), (7, 2), (32, 2), (None, -1)):
-        codes, energies = joint_komp(grams, kernels, 10, chunk=chunk, n_jobs=n_jobs)
+        codes, energies = joint_komp(gram, kernels, 10, chunk=chunk, n_jobs=n_jobs)
         for ours, reference in zip((*codes, energies), (*whole, energy), strict=True):
             np.testing.assert_array_equal(ours, reference)
 
@@ -217,8 +219,8 @@ def test_a_modality_in_which_an_atom_is_dependent_gives_it_coefficient_zero():
     rich, queries = rng.normal(size=(6, 9)), rng.normal(size=(4, 9))
     poor = np.repeat(rng.normal(size=(1, 2)), 6, axis=0)
     codes, _ = joint_komp(
-        [linear_kernel(rich, rich), linear_kernel(poor, poor)],
-        [linear_kernel(queries, rich), linear_kernel(np.ones((4, 2)), poor)],
+        stored_gram([linear_kernel(rich, rich), linear_kernel(poor, poor)]),
+        np.stack([linear_kernel(queries, rich), linear_kernel(np.ones((4, 2)), poor)]),
         4,
     )
     np.testing.assert_array_equal(codes.n_selected, 4)
@@ -231,8 +233,8 @@ def test_two_equal_modalities_choose_as_one():
     rng = np.random.default_rng(19)
     atoms, queries = rng.normal(size=(25, 6)), rng.normal(size=(8, 6))
     G, K = rbf_kernel(atoms, atoms, 0.2), rbf_kernel(queries, atoms, 0.2)
-    one, _ = joint_komp([G], [K], 6)
-    two, _ = joint_komp([G, G], [K, K], 6, weights=[0.7, 0.3])
+    one, _ = joint_komp(stored_gram([G]), K[None], 6)
+    two, _ = joint_komp(stored_gram([G, G]), np.stack([K, K]), 6, weights=[0.7, 0.3])
     np.testing.assert_array_equal(two.indices, one.indices)
     np.testing.assert_array_equal(two.coefs[0], one.coefs[0])
 

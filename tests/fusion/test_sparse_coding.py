@@ -8,6 +8,7 @@ from sklearn.neighbors import KNeighborsClassifier
 
 from fusion import JKSC, KSC
 from fusion.class_residual import class_residual, class_scores
+from fusion.gram import stored_gram
 from fusion.kernels import rbf_kernel
 from fusion.komp import kernel_omp_gram
 
@@ -68,7 +69,7 @@ def test_score_is_minus_the_paper_residual_computed_class_by_class():
     X, y, queries, _ = clusters(1)
     G, K = rbf_kernel(X, X, 0.1), rbf_kernel(queries, X, 0.1)
     indices, coefs, _, _ = kernel_omp_gram(G, K, 10)
-    residual, has_atom = class_residual([G], [K], indices, coefs[None], y, 5, [1.0])
+    residual, has_atom = class_residual(stored_gram([G]), K[None], indices, coefs[None], y, 5, [1.0])
     for q in range(len(queries)):
         x = np.zeros(len(X))
         x[indices[q]] = coefs[q]

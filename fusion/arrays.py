@@ -1,0 +1,24 @@
+"""Array types and the check that every public function makes of its matrices."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+def finite_matrix(values: ArrayLike, name: str) -> FloatArray:
+    """`values` as a contiguous float64 matrix; ValueError when it is empty, no matrix, or not finite."""
+    matrix = np.ascontiguousarray(values, dtype=np.float64)
+    if matrix.ndim != 2 or matrix.shape[1] == 0:
+        raise ValueError(f"{name} must be a matrix with at least one column, got shape {matrix.shape}.")
+    if not np.isfinite(matrix).all():
+        raise ValueError(f"{name} holds values that are not finite (NaN or infinity); remove or fill them first.")
+    return matrix
+
+
+def plain(values: ArrayLike) -> FloatArray:
+    """`values` as the one kind of array that the compiled loops know: float64, contiguous, writable, no subclass."""
+    return np.asarray(np.require(values, np.float64, ["C", "W", "E"]))
