@@ -1,5 +1,9 @@
-"""Every simulated sensor goes through the same battery: load kept, deterministic, frames as stated, refusals."""
+"""Every registered sensor goes through the same battery: load kept, deterministic, shapes and units, refusals.
 
+Sensors whose skin is a pressure field go through a second one.
+"""
+
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -7,8 +11,66 @@ import numpy as np
 import pytest
 
 from sensors import Digit, FVSightParameters, FVSightUnit, GelSight
+from sensors.catalogue import SENSORS
 from sensors.contact.grid import Grid
 from sensors.contact.solver import NO_SURFACE, ContactSolution
+
+
+@pytest.fixture(scope="module", params=list(SENSORS))
+def registered(request):
+    return SENSORS[request.param]
+
+
+def touch(registered, share=1.0, seed=0):
+    return registered.sample_touch(share * registered.load_n, np.random.default_rng(seed))
+
+
+def test_the_contact_carries_the_load(registered):
+    assert touch(registered).carried_n == pytest.approx(registered.load_n, rel=0.01)
+
+
+def test_readings_and_frames_are_as_stated(registered):
+    found = touch(registered)
+    assert found.force_series is not None or found.frame is not None
+    if found.frame is not None:
+        assert found.frame.dtype == np.uint8
+        assert found.frame.ndim == 3
+        assert found.frame.shape[2] == 3
+    if found.force_series is not None:
+        assert found.force_series.dtype == np.float32
+        assert np.isfinite(found.force_series).all()
+        taxels, rate = (float(word) for word in re.findall(r"(\d+) taxels.* (\d+)", registered.gives)[0])
+        assert found.force_series.shape[1] == taxels
+        assert found.rate_hz == pytest.approx(1000 / rate if registered.gives.endswith("ms") else rate)
+        assert f"in {found.force_unit}" in registered.gives
+
+
+def test_readings_in_newtons_sum_to_the_load(registered):
+    found = touch(registered)
+    if found.force_unit == "N":
+        # spread and drift of a unit are part of what it reads
+        assert found.force_series[-1].sum() == pytest.approx(registered.load_n, rel=0.1)
+
+
+def test_the_seed_decides_everything(registered):
+    first, again = touch(registered, seed=3), touch(registered, seed=3)
+    for one, other in ((first.force_series, again.force_series), (first.frame, again.frame)):
+        assert (one is None) == (other is None)
+        assert one is None or one.tobytes() == other.tobytes()
+
+
+def test_more_load_gives_other_readings_and_frames(registered):
+    light, heavy = touch(registered, 0.2), touch(registered)
+    if heavy.force_series is not None:
+        assert heavy.force_series[-1].sum() > 2 * light.force_series[-1].sum()
+    if heavy.frame is not None:
+        assert np.abs(heavy.frame.astype(int) - light.frame).max() > 8
+
+
+@pytest.mark.parametrize("load_n", [0.0, -1.0, np.nan, np.inf])
+def test_loads_without_meaning_are_refused(registered, load_n):
+    with pytest.raises(ValueError, match="load_n"):
+        registered.sample_touch(load_n, np.random.default_rng(0))
 
 
 @dataclass(frozen=True)

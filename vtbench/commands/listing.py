@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from argparse import Namespace, _SubParsersAction
 from collections.abc import Callable
-from importlib import import_module
 from typing import Any
 
 from vtbench.commands.output import print_json, print_table
 from vtbench.commands.parser import Parser, add_command, add_json, one_of
-
-SENSORS = ("fvsight",)
 
 Rows = list[dict[str, Any]]
 
@@ -69,7 +66,9 @@ def objects() -> Rows:
 
 def sensors() -> Rows:
     """Simulated sensors."""
-    return [{"sensor": name, "about": _headline(import_module(f"sensors.{name}"))} for name in SENSORS]
+    from sensors.catalogue import SENSORS
+
+    return [{"sensor": name, "gives": one.gives, "about": one.about} for name, one in SENSORS.items()]
 
 
 def backbones() -> Rows:
@@ -121,10 +120,6 @@ def recordings() -> Rows:
         }
         for name, each in known().items()
     ]
-
-
-def _headline(module: Any) -> str:
-    return str(module.__doc__).strip().splitlines()[0].rstrip(".")
 
 
 KINDS: dict[str, Callable[[], Rows]] = {
