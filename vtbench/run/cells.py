@@ -14,6 +14,7 @@ from vtbench.run.methods.external import external_method
 from vtbench.run.suite import Entry, Suite
 from vtbench.tasks import TASKS
 from vtbench.tasks.base import Feed, Task
+from vtbench.tasks.presses import backbone_identity
 from vtbench.tasks.slides import SlipTask
 
 PROTOCOL_VERSION = 1
@@ -44,9 +45,9 @@ class Cell:
     missing: str = ""
 
     @property
-    def group(self) -> tuple[str, str, str]:
-        """Cells of one group read the same samples."""
-        return (self.identity.task, self.identity.variant, self.identity.dataset)
+    def group(self) -> tuple[str, str, str, str]:
+        """Cells of one group read the same samples through the same backbone."""
+        return (self.identity.task, self.identity.variant, self.identity.dataset, self.backbone)
 
 
 def own_methods(suite: Suite) -> dict[str, Method]:
@@ -72,12 +73,14 @@ def plan(
     Args:
         suite: what to run.
         sources: (task, variant, dataset as the entry names it) -> samples.
-        backbone: what decides the features of frames, part of the keys of cells that use them.
+        backbone: what decides the features of frames, part of the keys of cells that use them, where an entry does
+            not name its own.
         methods: by id.
     """
     cells: dict[str, Cell] = {}
     for entry in suite.entries:
         task = TASKS.get(entry.task)
+        features = backbone if entry.backbone is None else backbone_identity(entry.backbone)
         for variant, dataset in entry.variants.items():
             source = sources[entry.task, variant, dataset]
             for split, name, role, method in _grid(entry, task, variant, methods):
@@ -90,17 +93,16 @@ def plan(
                     modality=name,
                     role=role,
                     kind=source.kind,
-                    params=_params(task, variant, name, role, feed, method, backbone),
+                    params=_params(task, variant, name, role, feed, method, features),
                     seed=suite.seed,
                     dataset=source.dataset,
                     dataset_hash=source.hash,
                     protocol_version=PROTOCOL_VERSION,
                 )
                 key = record_key(identity)
-                cells.setdefault(
-                    key,
-                    Cell(identity, key, task, feed, method, suite.timeout_s, suite.backbone, source.missing),
-                )
+                through = entry.backbone or suite.backbone
+                cell = Cell(identity, key, task, feed, method, suite.timeout_s, through, source.missing)
+                cells.setdefault(key, cell)
     return sorted(cells.values(), key=_neighbours)
 
 

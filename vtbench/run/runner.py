@@ -119,9 +119,9 @@ def _run_group(
     if cells[0].missing:
         yield from ((skipped_record(cell, cell.missing, where), None) for cell in cells)
         return
-    task_id, _, dataset = cells[0].group
+    task_id, _, dataset, backbone = cells[0].group
     cache = DiskFeatures(out / "features", jobs, progress)
-    data = load_samples(suite, out, task_id, dataset, cache)
+    data = load_samples(suite, out, task_id, dataset, cache, backbone)
     works, impossible = works_of(cells, data)
     by_key = {cell.key: cell for cell in cells}
     yield from ((skipped_record(by_key[key], reason, where), None) for key, reason in impossible.items())

@@ -76,12 +76,14 @@ def find_sources(suite: Suite, out: Path) -> dict[tuple[str, str, str | None], S
     return found
 
 
-def load_samples(suite: Suite, out: Path, task_id: str, dataset: str, features: FeatureCache) -> TaskData:
-    """Samples of a task from the dataset of that name."""
+def load_samples(
+    suite: Suite, out: Path, task_id: str, dataset: str, features: FeatureCache, backbone: str | None = None
+) -> TaskData:
+    """Samples of a task from the dataset of that name, their frames through `backbone` or the suite's."""
     task, paths = TASKS.get(task_id), source_paths(suite, out, task_id, dataset)
     if isinstance(task, SlipTask):
         return load_slides(paths)
-    return task.load(paths[0], features, suite.backbone)
+    return task.load(paths[0], features, backbone or suite.backbone)
 
 
 def source_paths(suite: Suite, out: Path, task_id: str, dataset: str) -> tuple[Path, ...]:

@@ -22,6 +22,15 @@ def dataset_ids(joined: str) -> list[str]:
     return joined.split(JOIN)
 
 
+def known_backbone(name: str) -> str:
+    """The name itself; ValueError with the closest known one where there is no such backbone."""
+    from fusion.features import backbone_names
+
+    if name not in backbone_names():
+        raise unknown("backbone", name, backbone_names(), "vtbench list backbones")
+    return name
+
+
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -78,6 +87,7 @@ class Entry(_Part):
         methods: ids of registered methods or of the suite's own; of a slip task ids of detectors.
         probes: methods that are fed the probes (true: all of `methods`).
         upper_lines: methods that are fed the upper lines.
+        backbone: what turns frames into features, in place of the suite's.
     """
 
     task: str
@@ -87,6 +97,12 @@ class Entry(_Part):
     methods: tuple[str, ...] = Field(min_length=1)
     probes: tuple[str, ...] | bool = False
     upper_lines: tuple[str, ...] | bool = False
+    backbone: str | None = None
+
+    @field_validator("backbone")
+    @classmethod
+    def _backbone_exists(cls, value: str | None) -> str | None:
+        return None if value is None else known_backbone(value)
 
     @field_validator("variants", mode="before")
     @classmethod
@@ -159,11 +175,7 @@ class Suite(_Part):
     @field_validator("backbone")
     @classmethod
     def _backbone_exists(cls, value: str) -> str:
-        from fusion.features import backbone_names
-
-        if value not in backbone_names():
-            raise unknown("backbone", value, backbone_names(), "vtbench list backbones")
-        return value
+        return known_backbone(value)
 
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
