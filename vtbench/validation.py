@@ -50,6 +50,20 @@ def one_line(
     return ": ".join(part for part in parts if part) + more
 
 
+def every_line(
+    error: pydantic.ValidationError, model: Any, data: Any, lines: Mapping[KeyPath, int] | None = None
+) -> list[str]:
+    """Every problem of a `ValidationError`, one line each, by line and key; for checkers that list them all."""
+    found: dict[KeyPath, str] = {}
+    for problem in error.errors(include_url=False):
+        at = _in_data(problem["loc"], data)
+        line = _nearest_line(at, lines or {})
+        where = f"line {line}" if line else ""
+        parts = (where, dotted(at), _explain(problem, model, data))
+        found.setdefault(at, ": ".join(part for part in parts if part))
+    return list(found.values())
+
+
 def dotted(at: Sequence[str | int]) -> str:
     """A key path as one reads it: `entries[0].methods`."""
     text = ""

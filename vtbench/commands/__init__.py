@@ -10,6 +10,7 @@ from vtbench.commands import (
     check,
     compare,
     env,
+    evaluate,
     frame_cost,
     generate,
     listing,
@@ -18,6 +19,23 @@ from vtbench.commands import (
     score_slip,
     show,
     slip_cost,
+    submissions,
 )
 
-MODULES = (listing, objects, check, generate, bring, show, run, score_slip, board, compare, frame_cost, slip_cost, env)
+MODULES = (
+    listing,
+    objects,
+    check,
+    generate,
+    bring,
+    show,
+    run,
+    score_slip,
+    evaluate,
+    submissions,
+    board,
+    compare,
+    frame_cost,
+    slip_cost,
+    env,
+)

@@ -1,0 +1,1 @@
+"""Folders in which others hand in models or predictions: checked by numbered rules, then scored."""
