@@ -18,6 +18,7 @@ from leaderboard._models import Record
 
 RECORD_FILE = "record.json"
 PREDICTIONS_FILE = "predictions.npz"
+TALLY_FILE = "tally.json"
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -36,6 +37,8 @@ def write_record(run_dir: Path, record: Record, predictions: Mapping[str, NDArra
     folder = _root(run_dir, writing=True) / record.key
     arrays = {name: _plain(name, array) for name, array in (predictions or {}).items()}
     folder.mkdir(parents=True, exist_ok=True)
+    if arrays or record.status.state != "ok":
+        (folder / TALLY_FILE).unlink(missing_ok=True)  # it counted other predictions
     if arrays:
         write_atomic(folder / PREDICTIONS_FILE, arrays)
     elif record.status.state != "ok":

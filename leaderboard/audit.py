@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from leaderboard.frame import Row, latest, records_of
+from leaderboard.frame import OWN, Row, latest, records_of
 from leaderboard.names import METHODS, MODALITIES, SPLITS, title
 
 PROBE_MARGIN = 5.0
@@ -58,7 +58,8 @@ def probes_table(cells: pd.DataFrame, margin: float = PROBE_MARGIN) -> pd.DataFr
 
 def _best_methods(kept: pd.DataFrame) -> dict[tuple[Any, ...], Row]:
     best: dict[tuple[Any, ...], Row] = {}
-    for row in records_of(kept[(kept["role"] == "method") & (kept["state"] == "ok")].dropna(subset=["value"])):
+    scored = kept[(kept["role"] == "method") & (kept["state"] == "ok") & kept["standing"].isin(OWN)]
+    for row in records_of(scored.dropna(subset=["value"])):
         sign = 1 if row["direction"] == "higher" else -1
         rival = best.setdefault(tuple(row[name] for name in PROTOCOL), row)
         if sign * row["value"] > sign * rival["value"]:
@@ -126,6 +127,7 @@ def too_easy(cells: pd.DataFrame, threshold: float = TOO_EASY) -> list[str]:
     """
     kept = latest(cells)
     kept = kept[(kept["role"] == "method") & (kept["state"] == "ok") & (kept["unit"] == "%")].dropna(subset=["value"])
+    kept = kept[kept["standing"].isin(OWN)]
     sentences = []
     for block, rows in kept.groupby(PROTOCOL, sort=False):
         assert isinstance(block, tuple)

@@ -14,9 +14,10 @@ from leaderboard._files import write_atomic
 from leaderboard.contents import BoardTables, board_tables
 from leaderboard.page import render_page
 from leaderboard.record import Record
-from leaderboard.sections import laws_view, pose_view, probe_views, result_view
+from leaderboard.sections import beside_views, laws_view, pose_view, probe_views, result_view
 from leaderboard.slip_tables import metrics_frame
 from leaderboard.slip_views import slip_views, table_iv
+from leaderboard.tally import Tallies
 from leaderboard.text import escape_markdown, markdown_table
 
 TITLE = "vtbench: touch and vision, scored on the same terms"
@@ -42,14 +43,16 @@ def build_board(
     title: str = TITLE,
     problems: Sequence[str] = (),
     generated: datetime | None = None,
+    tallies: Tallies | None = None,
 ) -> BoardFiles:
     """Write `index.html`, `board.md` and `csv/*.csv` under `out_dir` and return their paths.
 
     `problems` are the lines of `scan_records` about files that could not be read: the page lists them. `generated` is
-    the date on the page, now by default. OSError when the folder cannot be written.
+    the date on the page, now by default. With `tallies` (`tally.read_tallies`) ranks come from paired differences.
+    OSError when the folder cannot be written.
     """
     kept = distinct(records)
-    tables = board_tables(kept, problems)
+    tables = board_tables(kept, problems, tallies)
     when = generated or datetime.now(UTC)
     out_dir = Path(out_dir)
     (out_dir / "csv").mkdir(parents=True, exist_ok=True)
@@ -86,6 +89,9 @@ def render_markdown(tables: BoardTables, title: str, generated: datetime) -> str
         views = [result_view(table, tables.machines) for table in group.tables]
         views += [view for block in tables.slips if block.task == group.task for view in slip_views(block)]
         parts += [markdown_table(view) for view in ([pose_view(group.curve)] if len(group.curve) else []) + views]
+    if len(tables.beside):
+        parts.append("## Simulated beside real\n")
+        parts += [markdown_table(view) for view in beside_views(tables.beside)]
     if len(tables.probes):
         parts.append("## What should not suffice\n")
         parts += [markdown_table(view) for view in probe_views(tables.probes)]
@@ -99,11 +105,12 @@ def csv_tables(tables: BoardTables) -> dict[str, pd.DataFrame]:
     named = {"records": tables.cells}
     for table in (*tables.papers, *tables.tasks):
         stem = f"paper-table-{table.paper_table}" if table.paper_table else f"{table.task}-{table.variant}"
-        name = slug(f"{stem}-{table.kind}-{table.dataset_hash[:8]}-p{table.protocol_version}")
+        name = slug(f"{stem}-{table.apart}-{table.kind}-{table.dataset_hash[:8]}-p{table.protocol_version}")
         while name in named:
             name += "x"
         named[name] = table.frame
     named |= {"probes": tables.probes, "laws": tables.laws, "pose": tables.pose, "speed": tables.speed}
+    named |= {"simulated-beside-real": tables.beside}
     named |= {"slip": metrics_frame(tables.slips)}
     return {name: frame for name, frame in named.items() if len(frame)}
 

@@ -21,7 +21,11 @@ def format_console(tables: BoardTables) -> str:
         if len(group.curve):
             parts.append(_titled(pose_view(group.curve), group.kind, f"{group.task}, accuracy by unknown shift"))
         parts += [
-            _titled(result_view(table, tables.machines), table.kind, f"{table.task}, {table.variant}")
+            _titled(
+                result_view(table, tables.machines),
+                table.kind,
+                f"{table.task}, {table.variant}{table.apart and f', {table.apart}'}",
+            )
             for table in group.tables
         ]
         slips = [block for block in tables.slips if block.task == group.task]

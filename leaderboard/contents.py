@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from string import ascii_uppercase
 
 import pandas as pd
 
 from leaderboard.audit import laws_table, missing, probe_warning, probes_table, too_easy
+from leaderboard.counterparts import beside_table
 from leaderboard.curves import CURVE, pose_curve, speed_table
 from leaderboard.frame import records_frame, records_of
+from leaderboard.judgement import Better, judged
 from leaderboard.names import METHODS, MODALITIES, title
 from leaderboard.record import Record
 from leaderboard.slip_tables import SlipBlock, slip_blocks, verdicts
 from leaderboard.tables import ResultTable, paper_tables, task_tables
+from leaderboard.tally import Tallies
 from leaderboard.views import brief
 
 
@@ -51,6 +54,8 @@ class BoardTables:
     notices: tuple[Notice, ...]
     machines: dict[str, str]
     slips: tuple[SlipBlock, ...] = ()
+    better: Better = frozenset()
+    beside: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     @property
     def groups(self) -> list[TaskGroup]:
@@ -68,10 +73,15 @@ class BoardTables:
         return TaskGroup(name[0], name[2], tuple(table for table in group if table.variant not in shifts), curve)
 
 
-def board_tables(records: Iterable[Record], problems: Sequence[str] = ()) -> BoardTables:
-    """Return all tables of the records; `problems` are lines of `scan_records` about files that could not be read."""
+def board_tables(
+    records: Iterable[Record], problems: Sequence[str] = (), tallies: Tallies | None = None
+) -> BoardTables:
+    """Return all tables of the records; `problems` are lines of `scan_records` about files that could not be read.
+
+    With `tallies`, by key, methods are ranked by their differences on the same samples, else by their intervals.
+    """
     records = list(records)
-    cells = records_frame(records)
+    cells, better = judged(records_frame(records), tallies or {})
     slips = slip_blocks(records)
     probes, laws = probes_table(cells), laws_table(cells)
     return BoardTables(
@@ -81,10 +91,12 @@ def board_tables(records: Iterable[Record], problems: Sequence[str] = ()) -> Boa
         probes=probes,
         laws=laws,
         pose=pose_curve(cells),
-        speed=speed_table(cells),
+        speed=speed_table(cells, better),
         notices=(*_notices(cells, probes, laws, problems), *_slip_notices(slips)),
         machines=dict(zip(dict.fromkeys(cells["fingerprint"]), _letters(), strict=False)),
         slips=slips,
+        better=better,
+        beside=beside_table(cells),
     )
 
 
@@ -108,6 +120,8 @@ def _notices(
         yield Notice("probe near", probe_warning(row))
     for sentence in too_easy(cells):
         yield Notice("too easy", sentence)
+    for row in records_of(cells[cells["standing"] == "flagged"].drop_duplicates(["task", "method"])):
+        yield Notice("flagged", f"{row['task']}: the submission {row['submission']} is flagged and shown apart.")
     for sentence in missing(cells):
         yield Notice("missing", brief(sentence, 400))
     for problem in problems:

@@ -7,10 +7,25 @@ from typing import Any
 
 import pandas as pd
 
+from leaderboard.caution import coverage_warning
 from leaderboard.names import METHODS, MODALITIES, ROLES, SPLITS, VARIANTS, order
 from leaderboard.record import Metric, Record, canonical_json
+from leaderboard.submission import STATUSES
 
-CELL = ["task", "protocol_version", "variant", "kind", "dataset_hash", "split", "role", "modality", "method"]
+CELL = [
+    "task",
+    "protocol_version",
+    "variant",
+    "kind",
+    "dataset_hash",
+    "split",
+    "role",
+    "modality",
+    "method",
+    "standing",
+]
+OWN = ("", "verified")
+"""Standings that may be best of a protocol; self-reported and flagged results stand apart."""
 COLUMNS = [
     "key",
     "task",
@@ -25,6 +40,8 @@ COLUMNS = [
     "method",
     "params",
     "seed",
+    "standing",
+    "submission",
     "state",
     "reason",
     "metric",
@@ -36,6 +53,12 @@ COLUMNS = [
     "interval",
     "n",
     "groups",
+    "coverage",
+    "probe",
+    "rank_best",
+    "rank_worst",
+    "letters",
+    "ranked",
     "predict_us",
     "predict_low_us",
     "predict_high_us",
@@ -55,7 +78,8 @@ COLUMNS = [
 ]
 
 _FLOATS = ["value", "low", "high", "predict_us", "predict_low_us", "predict_high_us", "feature_us", "total_us", "fit_s"]
-_COUNTS = ["n", "groups", "threads", "batch"]
+_COUNTS = ["n", "groups", "rank_best", "rank_worst", "threads", "batch"]
+_TEXTS = ["coverage", "probe", "letters", "ranked"]
 
 Row = dict[str, Any]
 
@@ -63,7 +87,9 @@ Row = dict[str, Any]
 def records_frame(records: Iterable[Record]) -> pd.DataFrame:
     """Return one row a record, in the board's order; fractions in percent, what a record lacks is missing.
 
-    The first metric of a record is the one shown. `total_us` adds features to the method where both are known.
+    The first metric of a record is the one shown; `standing` is the status of a submission, empty for our own.
+    `coverage` warns of an interval; `probe`, rank and letters are left to `judgement.judged`. `total_us` adds features
+    to the method where both are known.
     """
     rows = [_row(record) for record in sorted(records, key=_order)]
     frame = pd.DataFrame(rows, columns=COLUMNS)
@@ -93,6 +119,7 @@ def _order(record: Record) -> tuple[object, ...]:
         order(VARIANTS, who.variant),
         who.dataset,
         who.dataset_hash,
+        record.submission is not None and STATUSES.index(record.submission.status),
         ROLES.index(who.role),
         order(MODALITIES, who.modality),
         order(METHODS, who.method),
@@ -106,8 +133,11 @@ def _row(record: Record) -> Row:
     who, where, cost = record.identity, record.provenance, record.timing
     row: Row = {name: getattr(who, name) for name in (*CELL, "dataset", "seed") if name in type(who).model_fields}
     row |= {
+        **dict.fromkeys(_TEXTS, ""),
         "key": record.key,
         "params": canonical_json(who.params),
+        "standing": record.submission.status if record.submission else "",
+        "submission": record.submission.title if record.submission else "",
         "state": record.status.state,
         "reason": record.status.reason,
         "fingerprint": where.fingerprint,
@@ -146,4 +176,5 @@ def _metric(metric: Metric) -> Row:
         "interval": metric.interval,
         "n": metric.n,
         "groups": metric.groups,
+        "coverage": coverage_warning(metric.interval, metric.groups, metric.value) if unit == "%" else "",
     }

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from string import ascii_lowercase
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,6 @@ from scipy.special import ndtr
 
 from leaderboard.groups import Groups
 from leaderboard.paired import difference_p, holm
-from leaderboard.statistics import FEW_GROUPS
 
 BoolArray = NDArray[np.bool_]
 
@@ -50,8 +48,17 @@ class Entrant:
     samples: str = ""
 
 
-def rank(entrants: Sequence[Entrant], level: float = 0.95) -> tuple[list[Rank], str]:
-    """Return the rank interval of each entrant and how they were compared.
+@dataclass(frozen=True, eq=False)
+class Ranking:
+    """Ranks of the entrants in their order, `better[i, j]` where i is surely better than j, and how that was found."""
+
+    ranks: tuple[Rank, ...]
+    better: BoolArray
+    how: str
+
+
+def rank(entrants: Sequence[Entrant], level: float = 0.95) -> Ranking:
+    """Return the rank interval of each entrant.
 
     All pairs are compared, by groups where all entrants were scored on the same samples, else by their standard
     errors; Holm's step-down keeps the chance of any false separation below 1 - level, so all rank intervals hold
@@ -71,7 +78,7 @@ def rank(entrants: Sequence[Entrant], level: float = 0.95) -> tuple[list[Rank], 
     ranks = [
         Rank(1 + int(better[:, i].sum()), count - int(better[i].sum()), letters) for i, letters in enumerate(shared)
     ]
-    return ranks, PAIRED if paired else UNPAIRED
+    return Ranking(tuple(ranks), better, PAIRED if paired else UNPAIRED)
 
 
 def _pair_p(a: Entrant, b: Entrant, paired: bool) -> float:
@@ -100,9 +107,3 @@ def tie_letters(separated: BoolArray, order: Sequence[int]) -> list[str]:
 
 def _letter(at: int) -> str:
     return ascii_lowercase[at % 26] + ("" if at < 26 else str(at // 26 + 1))
-
-
-def least_groups(entrants: Sequence[Entrant]) -> int | None:
-    """Return the number of groups where it is too few to trust a rank (below ten), else None."""
-    counts: list[Any] = [e.groups.count for e in entrants if e.groups is not None]
-    return min(counts) if counts and min(counts) < FEW_GROUPS else None

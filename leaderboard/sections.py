@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,7 +10,7 @@ import pandas as pd
 
 from leaderboard.frame import Row, records_of
 from leaderboard.names import METHODS, MODALITIES, ROLES, SPLITS, VARIANTS, order, title
-from leaderboard.paper import ASSUMPTION
+from leaderboard.notes import Machines, result_notes
 from leaderboard.tables import ResultTable
 from leaderboard.views import (
     NOT_RUN,
@@ -23,12 +22,18 @@ from leaderboard.views import (
     microseconds,
     number,
     paled,
+    rank_cell,
     score_cell,
     span,
 )
 
-Machines = Mapping[str, str]
-"""Fingerprint -> the letter that stands for it."""
+RANK_HINT = "the ranks that a method may hold; letters join methods that are not told apart"
+STANDINGS = {
+    "verified": "a submission whose model ran here",
+    "self-reported": "predictions that were handed in; that a model made them is the author's word",
+    "flagged": "a submission that does not fit; its record says why",
+}
+APART = {"self-reported": "self-reported submissions, apart", "flagged": "flagged submissions, apart"}
 
 
 def result_view(table: ResultTable, machines: Machines) -> View:
@@ -40,16 +45,21 @@ def result_view(table: ResultTable, machines: Machines) -> View:
     columns = [Column("Fed with"), Column("Method")]
     columns += [Column("Paper, %", True, "as published, with the Wilson interval at an assumed n")] if paper else []
     mine = "ours, " if paper else ""
-    columns += [Column(f"{mine}{title(SPLITS, s)}, {table.unit}"[:60].capitalize(), True) for s in table.splits]
+    ranked = [split for split in table.splits if any(row[f"{split}_rank_worst"] not in (None, 1) for row in rows)]
+    for split in table.splits:
+        columns.append(Column(f"{mine}{title(SPLITS, split)}, {table.unit}"[:60].capitalize(), True))
+        columns += [Column("Rank", True, RANK_HINT, smallest_first=True)] if split in ranked else []
     speed_hint = "of two machines, so not sortable" if mixed else "the method alone, one thread"
     columns += [Column("µs a sample", True, speed_hint, not mixed)]
     columns += [Column("µs, features", True, "what turns a frame into features", not mixed)] if features else []
     return View(
-        id=f"t-{table.task}-{table.variant}-{table.dataset_hash[:8]}".replace("/", "-"),
+        id=f"t-{table.task}-{table.variant}-{table.dataset_hash[:8]}{table.apart and f'-{table.apart}'}".replace(
+            "/", "-"
+        ),
         title=_result_title(table),
         columns=tuple(columns),
-        rows=paled([_result_row(row, table, machines if mixed else {}, features) for row in rows], 1),
-        notes=_result_notes(table, rows, machines),
+        rows=paled([_result_row(row, table, ranked, machines if mixed else {}, features) for row in rows], 1),
+        notes=result_notes(table, rows, machines),
         header=1,
         breaks=breaks_of([(row["role"], row["modality"]) for row in rows]),
         kind=table.kind,
@@ -59,14 +69,22 @@ def result_view(table: ResultTable, machines: Machines) -> View:
 def _result_title(table: ResultTable) -> str:
     if table.paper_table:
         return f"Table {table.paper_table} of the paper beside ours: {table.press} presses"
-    return f"Protocol {table.variant}"
+    return f"Protocol {table.variant}" + (f": {APART[table.apart]}" if table.apart else "")
 
 
-def _result_row(row: Row, table: ResultTable, machines: Machines, features: bool) -> tuple[Cell, ...]:
+def _result_row(
+    row: Row, table: ResultTable, ranked: Sequence[str], machines: Machines, features: bool
+) -> tuple[Cell, ...]:
     upper = row["role"] == "upper-line"
+    standing = str(row["standing"] or "")
     cells = [
         Cell(title(MODALITIES, row["modality"]), hint="an upper line: no sensor gives this" if upper else ""),
-        Cell(title(METHODS, row["method"]), "upper line" if upper else ""),
+        Cell(
+            brief(row["submission"] or title(METHODS, row["method"]), 60),
+            "upper line" if upper else "",
+            badge=standing,
+            hint=STANDINGS.get(standing, ""),
+        ),
     ]
     if table.paper_table:
         reported = row["paper"]
@@ -80,58 +98,61 @@ def _result_row(row: Row, table: ResultTable, machines: Machines, features: bool
                 mark="*" if row["paper_note"] else "",
             )
         )
-    cells += [score_cell(row, f"{split}_", table.unit) for split in table.splits]
+    for split in table.splits:
+        cells.append(score_cell(row, f"{split}_", table.unit))
+        cells += [rank_cell(row, f"{split}_")] if split in ranked else []
     letter = machines.get(row["fingerprint"] or "", "")
     costs = [row["predict_us"], *([row["feature_us"]] if features else [])]
     cells += [Cell(microseconds(us), letter if us is not None else "", us, tone="" if us else "muted") for us in costs]
     return tuple(cells)
 
 
-def _result_notes(table: ResultTable, rows: list[Row], machines: Machines) -> tuple[str, ...]:
-    notes = []
-    if table.paper_table:
-        notes.append(ASSUMPTION)
-        notes += sorted({f"* {row['paper_note']}." for row in rows if row["paper_note"]})
-        if any(row["modality"] == "fused-equal" for row in rows):
-            notes.append(
-                "The paper concatenates without weights; its fused figures stand beside our equal weights "
-                "and beside weights chosen on training folds."
-            )
-    notes += [note for split in table.splits for note in _interval_note(split, rows)]
-    notes += _reasons(table, rows)
-    if table.superseded:
-        notes.append(
-            f"{table.superseded} earlier records of these cells differ in parameters, seed or machine; "
-            "the latest is shown, all are in records.csv."
-        )
-    if len(table.fingerprints) > 1:
-        letters = ", ".join(machines[f] for f in table.fingerprints)
-        notes.append(f"Speeds were taken on different machines ({letters}) and do not compare.")
-    notes.append(f"Dataset {table.dataset}, content {table.dataset_hash[:12]}; protocol {table.protocol_version}.")
-    return tuple(notes)
-
-
-def _interval_note(split: str, rows: list[Row]) -> list[str]:
-    """Return how a split's intervals were made, the commonest way first, with the number of rows where ways differ."""
-    ways = Counter(row[f"{split}_interval"] for row in rows if row[f"{split}_interval"])
-    if not ways:
-        return []
-    counts = sorted({int(row[f"{split}_groups"]) for row in rows if row[f"{split}_interval"]})
-    groups = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
-    said = [
-        way if len(ways) == 1 else f"{way} ({count} row{'s' if count > 1 else ''})" for way, count in ways.most_common()
+def beside_views(beside: pd.DataFrame) -> list[View]:
+    """Return a view for each simulated protocol beside each real one of its family."""
+    pairs = [
+        f"{kind}_{name}" for kind in ("simulated", "real") for name in ("task", "variant", "dataset_hash", "split")
     ]
-    return [f"95 % intervals, {title(SPLITS, split)}, {groups} groups: {'; '.join(said)}."]
+    return [beside_view(records_of(part)) for _, part in beside.groupby(pairs, sort=False)] if len(beside) else []
 
 
-def _reasons(table: ResultTable, rows: list[Row]) -> list[str]:
-    counts: dict[tuple[str, str], int] = {}
-    for row in rows:
-        for split in table.splits:
-            state, reason = row[f"{split}_state"], row[f"{split}_reason"]
-            if state not in (None, "ok"):
-                counts[state, reason] = counts.get((state, reason), 0) + 1
-    return [f"{state.capitalize()} ({count}): {brief(reason)}" for (state, reason), count in counts.items()]
+def beside_view(rows: list[Row]) -> View:
+    """Return the view of one pair of protocols: each method's rank on simulated and on real recordings."""
+    first = rows[0]
+    sides = {kind: [first[f"{kind}_{name}"] for name in ("task", "variant", "split")] for kind in ("simulated", "real")}
+    rho, low, high = (first[f"rank_correlation{end}"] for end in ("", "_low", "_high"))
+    around = f" (95 % {low:.2f} to {high:.2f})" if low is not None else ""
+    count = first["methods"]
+    correlation = (
+        f"Spearman's rank correlation over {count} methods: {rho:.2f}{around}."
+        if rho is not None
+        else f"{count} methods in common: too few, or too tied, for a rank correlation."
+    )
+    columns = [Column("Fed with"), Column("Method")]
+    for kind in ("simulated", "real"):
+        columns += [Column(f"{kind.capitalize()}, %", True), Column("Rank", True, smallest_first=True)]
+    return View(
+        id="beside",
+        title=" beside ".join(f"{kind} {t}, {v}, {title(SPLITS, s)}" for kind, (t, v, s) in sides.items()),
+        columns=tuple(columns),
+        rows=paled(
+            [
+                (
+                    Cell(title(MODALITIES, row["modality"])),
+                    Cell(title(METHODS, row["method"])),
+                    *(cell for kind in ("simulated", "real") for cell in _beside_cells(row, kind)),
+                )
+                for row in rows
+            ],
+            1,
+        ),
+        notes=(correlation, "Ranks count the methods in common only; the scores themselves do not compare."),
+        header=1,
+    )
+
+
+def _beside_cells(row: Row, kind: str) -> tuple[Cell, Cell]:
+    value, low, high, rank, key = (row[f"{kind}_{name}"] for name in ("value", "low", "high", "rank", "key"))
+    return Cell(number(value), span(low, high), value, key=str(key)), Cell(f"{rank:g}", sort=rank)
 
 
 def pose_view(curve: pd.DataFrame) -> View:

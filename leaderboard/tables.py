@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
-from leaderboard.frame import Row, latest, records_of
+from leaderboard.frame import OWN, Row, latest, records_of
 from leaderboard.names import METHODS, MODALITIES, ROLES, SPLITS, order
 from leaderboard.paper import FIGURES, PaperFigure
 
 BLOCK = ["task", "protocol_version", "variant", "kind", "dataset", "dataset_hash"]
-RESULT = ("low", "high", "interval", "n", "groups", "state", "reason", "key")
+RESULT = ("low", "high", "interval", "coverage", "probe", "rank_best", "rank_worst", "letters", "ranked", "n", "groups")
+STATE = ("state", "reason", "key")
 PAPER_SPLITS = ("random", "held-out-unit")
 
 
@@ -25,6 +26,8 @@ class ResultTable:
     `S` and `S_low`, `S_high`, `S_interval`, `S_n`, `S_groups`, `S_state`, `S_reason`, `S_key`; then predict_us,
     feature_us and fingerprint of the first split that was timed. Where `paper_table` is set ("II", "III") it also
     has paper, paper_low, paper_high (percent) and paper_note.
+    `S_rank_best`, `S_rank_worst` and `S_letters` say which ranks a score may hold among those of the table, `S_probe`
+    and `S_coverage` what must be said of it. `apart` is "self-reported" or "flagged" where it holds such submissions.
     `superseded` counts records left out because a later one differs only in parameters, seed or machine.
     """
 
@@ -41,6 +44,7 @@ class ResultTable:
     superseded: int = 0
     paper_table: str = ""
     press: str = ""
+    apart: str = ""
 
     @property
     def fingerprints(self) -> tuple[str, ...]:
@@ -50,11 +54,7 @@ class ResultTable:
 
 def task_tables(cells: pd.DataFrame) -> list[ResultTable]:
     """Return a table for each task, variant and dataset, in the board's order; methods and upper lines, no probes."""
-    return [
-        _result_table(list(block), rows, figures=())
-        for block, rows in _blocks(cells)
-        if not _figures(str(block[0]), str(block[2]))
-    ]
+    return [_result_table(list(block), rows, figures=()) for block, rows in _blocks(cells) if not _figures(block)]
 
 
 def paper_tables(cells: pd.DataFrame) -> list[ResultTable]:
@@ -66,23 +66,25 @@ def paper_tables(cells: pd.DataFrame) -> list[ResultTable]:
     return [
         _result_table(list(block), rows, figures=figures)
         for block, rows in _blocks(cells)
-        if (figures := _figures(str(block[0]), str(block[2])))
+        if (figures := _figures(block))
     ]
 
 
 def _blocks(cells: pd.DataFrame) -> Iterable[tuple[tuple[Any, ...], pd.DataFrame]]:
     shown = cells[cells["role"].isin(["method", "upper-line"])]
-    for block, rows in shown.groupby(BLOCK, sort=False):
+    apart = shown["standing"].where(~shown["standing"].isin(OWN), "")
+    for block, rows in shown.assign(apart=apart).groupby([*BLOCK, "apart"], sort=False):
         assert isinstance(block, tuple)
         yield block, rows
 
 
-def _figures(task: str, variant: str) -> tuple[PaperFigure, ...]:
-    return tuple(f for f in FIGURES if variant == "paper" and task.startswith(f.task + "/"))
+def _figures(block: Sequence[Any]) -> tuple[PaperFigure, ...]:
+    task, _, variant, *_, apart = block
+    return tuple(f for f in FIGURES if variant == "paper" and not apart and task.startswith(f.task + "/"))
 
 
 def _result_table(block: list[Any], rows: pd.DataFrame, figures: tuple[PaperFigure, ...]) -> ResultTable:
-    task, protocol_version, variant, kind, dataset, dataset_hash = block
+    task, protocol_version, variant, kind, dataset, dataset_hash, apart = block
     kept = latest(rows)
     splits = tuple(sorted(set(kept["split"]), key=lambda name: order(SPLITS, name)))
     if figures:
@@ -91,13 +93,14 @@ def _result_table(block: list[Any], rows: pd.DataFrame, figures: tuple[PaperFigu
     for row in records_of(kept):
         line = lines.setdefault((row["role"], row["modality"], row["method"]), {})
         line[row["split"]] = row["value"]
-        line |= {f"{row['split']}_{name}": row[name] for name in RESULT}
+        line |= {f"{row['split']}_{name}": row[name] for name in (*RESULT, *STATE)}
+        line |= {name: row[name] for name in ("standing", "submission")}
         if line.get("predict_us") is None:
             line |= {name: row[name] for name in ("predict_us", "feature_us", "fingerprint")}
     _set_paper(lines, figures)
     ordered = sorted(lines.items(), key=lambda item: _row_order(*item[0]))
-    names = [f"{split}{suffix}" for split in splits for suffix in ("", *(f"_{name}" for name in RESULT))]
-    columns = ["role", "modality", "method"]
+    names = [f"{split}{suffix}" for split in splits for suffix in ("", *(f"_{name}" for name in (*RESULT, *STATE)))]
+    columns = ["role", "modality", "method", "standing", "submission"]
     columns += ["paper", "paper_low", "paper_high", "paper_note"] if figures else []
     columns += [*names, "predict_us", "feature_us", "fingerprint"]
     frame = pd.DataFrame(
@@ -118,6 +121,7 @@ def _result_table(block: list[Any], rows: pd.DataFrame, figures: tuple[PaperFigu
         superseded=len(rows) - len(kept),
         paper_table=figures[0].table if figures else "",
         press=figures[0].press if figures else "",
+        apart=str(apart),
     )
 
 

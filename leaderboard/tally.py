@@ -14,10 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from leaderboard._files import write_atomic
+from leaderboard._files import TALLY_FILE, write_atomic
 from leaderboard.groups import Groups, grouped
-
-TALLY_FILE = "tally.json"
 
 
 class Tally(BaseModel):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
-from leaderboard.views import Cell, View
+from leaderboard.views import FLAG, Cell, View
 
 _MARKDOWN = re.compile(r"([\\`*_{}\[\]<>|#~$])")
 
@@ -53,14 +53,18 @@ def printable(text: str) -> str:
 
 def _joined(cell: Cell, room: int) -> str:
     """Return text and detail; in a numeric column the details share a width, so that figures stand below each other."""
-    text, detail = printable(cell.text + cell.mark), printable(cell.detail)
+    text, detail = printable(cell.text + cell.mark + _flag(cell)), printable(cell.detail)
     if room:
         return f"{text} {' ' * (room - _cells(detail))}{detail}"
     return f"{text} {detail}".strip()
 
 
+def _flag(cell: Cell) -> str:
+    return (f" {FLAG}" if cell.flag else "") + (f" [{cell.badge}]" if cell.badge else "")
+
+
 def _markdown_cell(cell: Cell) -> str:
-    text = escape_markdown(cell.text + cell.mark)
+    text = escape_markdown(cell.text + cell.mark + _flag(cell))
     return f"{text} ({escape_markdown(cell.detail)})" if cell.detail else text
 
 

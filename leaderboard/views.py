@@ -6,27 +6,36 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from leaderboard.caution import MARK
 from leaderboard.frame import Row
+from leaderboard.ranks import Rank
 
 NOT_RUN = "–"
+MOST_LETTERS = 4
+FLAG = "⚠"
 
 
 @dataclass(frozen=True)
 class Column:
-    """A heading; `hint` explains it, `sortable` is False where an order would mislead, `wrap` lets long text break."""
+    """A heading; `hint` explains it, `sortable` is False where an order would mislead, `wrap` lets long text break.
+
+    `smallest_first` is the order of the first click on a numeric heading.
+    """
 
     title: str
     numeric: bool = False
     hint: str = ""
     sortable: bool = True
     wrap: bool = False
+    smallest_first: bool = False
 
 
 @dataclass(frozen=True)
 class Cell:
     """What a cell says: `text` in full ink, `detail` lighter; `sort` orders a numeric column, `key` names a record.
 
-    `mark` points to a note and hangs beside the text, so that figures stay below each other.
+    `mark` points to a note and hangs beside the text, so that figures stay below each other; `flag` is a warning that
+    goes wherever the score goes; `badge` is the standing of a submission.
 
     `same` marks a name that repeats the row above: a page may pale it while rows stand in their order.
     """
@@ -39,6 +48,8 @@ class Cell:
     tone: Literal["", "muted", "good", "bad"] = ""
     same: bool = False
     mark: str = ""
+    flag: str = ""
+    badge: str = ""
 
 
 @dataclass(frozen=True)
@@ -82,10 +93,25 @@ def score_cell(row: Row, prefix: str = "", unit: str = "%") -> Cell:
     digits = 1 if unit == "%" else 3
     return Cell(
         number(value, digits),
-        span(row.get(f"{prefix}low"), row.get(f"{prefix}high"), digits),
+        (MARK if row.get(f"{prefix}coverage") else "")
+        + span(row.get(f"{prefix}low"), row.get(f"{prefix}high"), digits),
         sort=value,
         key=key,
         hint=_from(row, prefix),
+        flag=row.get(f"{prefix}probe") or "",
+    )
+
+
+def rank_cell(row: Row, prefix: str = "") -> Cell:
+    """Return the ranks that the score under `prefix` may hold, with the letters that tied methods share."""
+    best, worst = row.get(f"{prefix}rank_best"), row.get(f"{prefix}rank_worst")
+    if best is None or worst is None:
+        return Cell(NOT_RUN, tone="muted")
+    said = Rank(int(best), int(worst), row.get(f"{prefix}letters") or "")
+    many = len(said.letters) > MOST_LETTERS
+    letters = f"{said.letters[: MOST_LETTERS - 1]}…" if many else said.letters
+    return Cell(
+        said.text, letters, sort=best + worst / 1000, hint=f"tied with methods that share a letter: {said.letters}"
     )
 
 
@@ -114,4 +140,5 @@ def breaks_of(keys: Sequence[Any]) -> frozenset[int]:
 def _from(row: Row, prefix: str) -> str:
     n, groups, interval = (row.get(f"{prefix}{name}") for name in ("n", "groups", "interval"))
     said = [f"{n:.0f} predictions" if n else "", f"{groups:.0f} groups" if groups else "", interval or ""]
+    said += [row.get(f"{prefix}{name}") or "" for name in ("coverage", "probe")]
     return ", ".join(part for part in said if part)

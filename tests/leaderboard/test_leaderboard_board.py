@@ -165,7 +165,7 @@ def test_every_record_has_its_detail(make_record: RecordFactory, page: Page) -> 
 
 def test_markdown_has_the_tables_and_no_html(make_record: RecordFactory, tmp_path: Path) -> None:
     text = build_board(_suite(make_record), tmp_path, generated=NOW).markdown.read_text(encoding="utf-8")
-    assert "| force | SVM | 90.00 (85.8–93.0) | 90.0 (85.0–94.0) | 90.0 (85.0–94.0) | 60 |" in text
+    assert "| force | SVM | 90.00 (85.8–93.0) | 90.0 (85.0–94.0) | 1–4 (a) | 90.0 (85.0–94.0) | 1–4 (a) | 60 |" in text
     assert "## objects/pose/v1 (simulated)" in text
     assert "<" not in text
 

@@ -12,6 +12,7 @@ from vtbench.commands.parser import Parser, add_command, add_json, add_out
 
 if TYPE_CHECKING:
     from leaderboard.record import Record
+    from leaderboard.tally import Tally
 
 
 def add(commands: _SubParsersAction[Parser]) -> None:
@@ -21,10 +22,18 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         "board",
         run,
         help="draw the tables of one or several runs: Markdown, CSV, one offline page",
-        examples=("vtbench board out/quick -o out/board", "vtbench board out/fvsight out/texture -o out/board"),
+        about="Methods are ranked by paired differences where the datasets of the runs are at hand. --baselines adds "
+        "the records\nthat come with vtbench, alone or beside runs of your own.",
+        examples=(
+            "vtbench board out/quick -o out/board",
+            "vtbench board out/fvsight out/texture -o out/board",
+            "vtbench board --baselines -o out/board",
+            "vtbench board out/mine --baselines -o out/board",
+        ),
         resume="the same command draws everything again",
     )
-    parser.add_argument("runs", metavar="DIR", type=Path, nargs="+", help="folders of runs")
+    parser.add_argument("runs", metavar="DIR", type=Path, nargs="*", help="folders of runs")
+    parser.add_argument("--baselines", action="store_true", help="the records that come with vtbench, too")
     add_out(parser, "DIR", "folder of the tables and the page")
     add_json(parser)
 
@@ -32,11 +41,26 @@ def add(commands: _SubParsersAction[Parser]) -> None:
 def run(args: Namespace) -> int:
     """Collect the records and draw."""
     from leaderboard import build_board
+    from vtbench.run.tallies import run_tallies
 
+    if not args.runs and not args.baselines:
+        raise ValueError("expected the folder of a run, or --baselines (`vtbench board --help`)")
     records, problems = collect(args.runs)
+    tallies: dict[str, Tally] = {}
+    for folder in args.runs:
+        found, without = run_tallies(folder, [r for r in records if (folder / "runs" / r.key).is_dir()])
+        tallies |= found
+        problems += without
+    if args.baselines:
+        from leaderboard.baselines import read_baselines
+
+        baselines, more = read_baselines()
+        here = {(r.key, r.provenance.fingerprint) for r in records}
+        records += [r for r in baselines if (r.key, r.provenance.fingerprint) not in here]
+        tallies = more | tallies
     for problem in problems:
         print(f"vtbench: warning: {problem}", file=sys.stderr)
-    files = build_board(records, args.out, problems=problems)
+    files = build_board(records, args.out, problems=problems, tallies=tallies)
     if args.json:
         told = {"html": files.html, "markdown": files.markdown, "csv": files.csv, "problems": problems}
         print_json({"out": args.out, "records": len(records), **told})
@@ -63,7 +87,7 @@ def collect(runs: list[Path]) -> tuple[list[Record], list[str]]:
         found = scan_records(folder)
         records += found[0]
         problems += found[1]
-    if not records:
+    if runs and not records:
         broken = f"; {problems[0]}" if problems else ""
         raise ValueError(f"{runs[0]}: no records to draw; `vtbench run SUITE -o DIR` makes them{broken}")
     return records, problems

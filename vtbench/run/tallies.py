@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from itertools import groupby
 from pathlib import Path
 
 from leaderboard.record import Record, read_predictions
-from leaderboard.tally import Tally, read_tallies, tally
+from leaderboard.tally import Tally, read_tallies, tally, write_tally
 from vtbench.run.folder import read_suite
 from vtbench.run.rescoring import NoFeatures
 from vtbench.run.scoring import true_labels
@@ -32,9 +33,12 @@ def run_tallies(run_dir: Path, records: list[Record]) -> tuple[dict[str, Tally],
     except (ValueError, OSError) as error:
         return found, [f"{run_dir}: methods are compared without pairing: {error}"]
     now = {(task, variant, source.dataset): source.hash for (task, variant, _), source in sources.items()}
-    for (task, variant, dataset), of_group in groupby(sorted(wanted, key=_samples), key=_samples):
+    for (task, variant, dataset), group in groupby(sorted(wanted, key=_samples), key=_samples):
+        of_group = list(group)
         same = [r for r in of_group if now.get((task, variant, dataset)) == r.identity.dataset_hash]
         if not same:
+            if all(r.submission is not None for r in of_group):
+                continue  # a hidden test set is not among the run's datasets
             problems.append(f"{run_dir}: methods of {task}, {variant}, are compared without pairing: other samples now")
             continue
         try:
@@ -47,9 +51,16 @@ def run_tallies(run_dir: Path, records: list[Record]) -> tuple[dict[str, Tally],
                 arrays = read_predictions(run_dir, record.key)
                 correct = arrays["label"] == true_labels(arrays, data.ids, data.labels)
                 found[record.key] = tally(correct, arrays["group"], arrays["sample_id"], arrays["fold"])
+                _keep(run_dir / "runs" / record.key, found[record.key])
             except (ValueError, KeyError) as error:
                 problems.append(f"{run_dir}: {record.key[:12]} is compared without pairing: {error}")
     return found, problems
+
+
+def _keep(folder: Path, value: Tally) -> None:
+    """Leave a tally beside its record, where the folder can be written, so that it need not be counted again."""
+    with suppress(OSError):
+        write_tally(folder, value)
 
 
 def _classified(record: Record) -> bool:
