@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -19,6 +21,11 @@ def finite_matrix(values: ArrayLike, name: str) -> FloatArray:
     return matrix
 
 
-def plain(values: ArrayLike) -> FloatArray:
-    """`values` as the one kind of array that the compiled loops know: float64, contiguous, writable, no subclass."""
-    return np.asarray(np.require(values, np.float64, ["C", "W", "E"]))
+def frozen(values: ArrayLike, dtype: type = np.float64) -> NDArray[Any]:
+    """`values` as the one kind of array that compiled loops read: contiguous, read-only, no subclass.
+
+    Where it is that already nothing is copied; a model from a memory-mapped file needs no loops of its own.
+    """
+    array = np.require(values, dtype, ["C", "E"]).view()
+    array.flags.writeable = False
+    return array

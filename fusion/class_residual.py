@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fusion.arrays import FloatArray, IntArray
+from fusion.arrays import FloatArray, IntArray, frozen
 from fusion.compiled import compiled
 from fusion.gram import Gram
 from fusion.pairs import gram_value
@@ -33,7 +33,16 @@ def class_residual(
     """
     residual = np.zeros((len(indices), n_classes))
     has_atom = np.zeros((len(indices), n_classes), dtype=np.bool_)
-    _add_residuals(gram, kernels, indices, coefs, atom_class, np.array(weights, dtype=np.float64), residual, has_atom)
+    _add_residuals(
+        gram,
+        frozen(kernels),
+        frozen(indices, np.int64),
+        frozen(coefs),
+        frozen(atom_class, np.int64),
+        np.array(weights, dtype=np.float64),
+        residual,
+        has_atom,
+    )
     return residual, has_atom
 
 

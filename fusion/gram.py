@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fusion.arrays import FloatArray, IntArray, plain
+from fusion.arrays import FloatArray, IntArray, frozen
 
 LINEAR = -1.0  # in the place of a kernel's width
 
@@ -34,40 +35,45 @@ class Gram(NamedTuple):
 
     def part(self, members: Sequence[int]) -> Gram:
         """The modalities `members`; without copying a stored matrix where they are all, or one."""
-        if list(members) == list(range(self.n_modalities)):
-            return self
-        one = members[0]
-        stored = self.stored
-        if len(stored):
-            stored = stored[one : one + 1] if len(members) == 1 else stored[list(members)]
+        everything = list(members) == list(range(self.n_modalities))
+        chosen = (
+            slice(None) if everything else slice(members[0], members[0] + 1) if len(members) == 1 else list(members)
+        )
         pieces = [self.atoms[self.bounds[m] : self.bounds[m + 1]] for m in members]
-        return Gram(
-            stored,
-            self.diagonals[list(members)],
-            np.concatenate(pieces),
+        return _gram(
+            self.stored[chosen] if len(self.stored) else self.stored,
+            self.diagonals[chosen],
+            self.atoms if everything else np.concatenate(pieces),
             np.cumsum([0, *map(len, pieces)]),
-            self.widths[list(members)],
-            self.factors[list(members)],
+            self.widths[chosen],
+            self.factors[chosen],
         )
 
 
 def stored_gram(matrices: FloatArray | Sequence[FloatArray]) -> Gram:
     """Gram matrices (M, n, n) as they are; a sequence of M matrices (n, n) is copied unless it holds one."""
-    stack = plain(matrices[0])[None] if len(matrices) == 1 else plain(matrices)
+    stack = frozen(matrices[0])[None] if len(matrices) == 1 else frozen(matrices)
     m, n = stack.shape[:2]
-    diagonals = np.ascontiguousarray(np.diagonal(stack, axis1=1, axis2=2))
-    return Gram(stack, diagonals, np.empty((0, 0)), np.zeros(m + 1, dtype=np.int64), np.zeros(m), np.ones((m, n)))
+    diagonals = np.diagonal(stack, axis1=1, axis2=2)
+    return _gram(stack, diagonals, np.empty((0, 0)), np.zeros(m + 1), np.zeros(m), np.ones((m, n)))
 
 
 def gram_on_demand(
     atoms: Sequence[FloatArray], widths: Sequence[float], factors: Sequence[FloatArray], own: Sequence[FloatArray]
 ) -> Gram:
     """Rows from the atoms: M arrays (columns, n), widths, factors (n,) and kernel values of the atoms (n,)."""
+    bounds = np.cumsum([0, *map(len, atoms)])
+    return _gram(np.empty((0, 0, 0)), np.stack(own), np.concatenate(atoms), bounds, np.array(widths), np.stack(factors))
+
+
+def _gram(
+    stored: FloatArray,
+    diagonals: FloatArray,
+    atoms: FloatArray,
+    bounds: NDArray[Any],
+    widths: FloatArray,
+    factors: FloatArray,
+) -> Gram:
     return Gram(
-        np.empty((0, 0, 0)),
-        np.stack(own),
-        np.concatenate(atoms),
-        np.cumsum([0, *map(len, atoms)]),
-        np.array(widths, dtype=np.float64),
-        np.stack(factors),
+        frozen(stored), frozen(diagonals), frozen(atoms), frozen(bounds, np.int64), frozen(widths), frozen(factors)
     )

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fusion.arrays import FloatArray, plain
+from fusion.arrays import FloatArray, frozen
 from fusion.compiled import compiled, unsigned
 from fusion.gram import Gram
 from fusion.komp import SparseCodes
@@ -41,7 +41,7 @@ def gram_lasso(
     """
     if not 0 < penalty < 1:
         raise ValueError(f"penalty must lie between 0 and 1 (a part of lambda_max), got {penalty!r}.")
-    kernels = plain(kernels)
+    kernels = frozen(kernels)
     n_modalities, n_queries, n_atoms = kernels.shape
     roots = np.sqrt(np.ones(n_modalities) if weights is None else np.asarray(weights, dtype=np.float64))
     curvature = gram.diagonals.max(axis=0)

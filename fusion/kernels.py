@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from fusion.arrays import FloatArray, plain
+from fusion.arrays import FloatArray, frozen
 
 Gamma = float | Literal["scale"]
 
@@ -30,7 +30,7 @@ def linear_kernel(X: FloatArray, Y: FloatArray) -> FloatArray:
 
 def columns_of(Y: FloatArray) -> FloatArray:
     """Rows of Y (n, d) as the columns (d, n) that `pair_matrix` reads."""
-    return plain(np.asarray(Y).T)
+    return frozen(np.asarray(Y).T)
 
 
 def pair_matrix(X: FloatArray, columns: FloatArray, *, squared: bool) -> FloatArray:
@@ -38,7 +38,7 @@ def pair_matrix(X: FloatArray, columns: FloatArray, *, squared: bool) -> FloatAr
     from fusion.pairs import pair_sums
 
     out = np.empty((len(X), columns.shape[1]))
-    pair_sums(plain(X), columns, squared, out)
+    pair_sums(frozen(X), frozen(columns), squared, out)
     return out
 
 

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fusion.arrays import FloatArray, IntArray, finite_matrix, plain
+from fusion.arrays import FloatArray, IntArray, finite_matrix, frozen
 from fusion.gram import Gram, stored_gram
 from fusion.threads import count_threads, map_threads
 
@@ -46,7 +46,7 @@ def kernel_omp_gram(
     G : (n, n) kernel values between the atoms; computed in float64 whatever comes in.
     K : (q, n) kernel values between the queries and the atoms.
     n_nonzero_coefs : most atoms in one code; more than n means n.
-    normalize_atoms : choose the atom by correlation over the atom's norm (True) or by plain correlation.
+    normalize_atoms : choose the atom by correlation over the atom's norm (True) or by frozen correlation.
         Coefficients are those of the atoms as given in both cases.
     pivot_tol : stop when the chosen atom's squared distance to the span of the earlier ones is at most this
         part of its squared norm; "auto" is 100 k eps. It is also refused where it is within the rounding error
@@ -115,7 +115,7 @@ def joint_komp(
 
     if not isinstance(n_nonzero_coefs, (int, np.integer)) or n_nonzero_coefs < 1:
         raise ValueError(f"n_nonzero_coefs must be a whole number of at least 1, got {n_nonzero_coefs!r}.")
-    kernels = plain(kernels)
+    kernels = frozen(kernels)
     n_modalities, n_queries, n_atoms = kernels.shape
     k = min(int(n_nonzero_coefs), n_atoms)
     tol = 100.0 * k * EPS if pivot_tol == "auto" else float(pivot_tol)

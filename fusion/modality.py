@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fusion.arrays import FloatArray, plain
+from fusion.arrays import FloatArray, frozen
 from fusion.gram import LINEAR, Gram, gram_on_demand, stored_gram
 from fusion.kernels import cosine_normalize, inverse_root, pair_matrix, resolve_gamma, squared_norms
 
@@ -31,9 +31,9 @@ class Modality:
         """Keep `atoms` (n, d), or the Gram matrix (n, n) in their place when precomputed."""
         width = resolve_gamma(gamma, atoms) if kernel == "rbf" else LINEAR
         if kernel == "rbf":
-            return cls(kernel, width, normalize, plain(atoms.T), np.ones(len(atoms)))
+            return cls(kernel, width, normalize, frozen(atoms.T), np.ones(len(atoms)))
         if kernel == "linear":
-            return cls(kernel, width, normalize, plain(atoms.T), squared_norms(atoms))
+            return cls(kernel, width, normalize, frozen(atoms.T), squared_norms(atoms))
         if kernel == "precomputed":
             if atoms.shape[0] != atoms.shape[1]:
                 raise ValueError(f"Precomputed kernel must be a square matrix at fit, got shape {atoms.shape}.")

@@ -19,6 +19,7 @@ from fusion.pairs import gram_row
 
 EPS = float(np.finfo(np.float64).eps)
 DOUBTFUL_PIVOT = 1e-4  # of the atom's squared norm: from here on rounding in the pivot is estimated
+SIGNLESS = 2**63 - 1  # all bits of a float but its sign
 BLOCK = 1024  # atoms worked on at once: a few such rows stay in the first-level cache
 
 
@@ -48,23 +49,25 @@ def pursue(
     projections = np.empty((n_modalities, k))
     smallest = np.empty(n_modalities)
     correlations, free, score = working[:n_modalities], working[n_modalities : 2 * n_modalities], working[-1, :n]
-    bits = score.view(np.int64)
+    unit = n_modalities == 1
     for m in range(n_modalities):
-        row, scale = free[m], scales[m]
         for p in range(n):
-            row[p] = scale[p]
+            free[m, p] = scales[m, p]
+            unit = unit and scales[m, p] == 1.0
+    if unit:  # sizes are correlations, read where they lie
+        score = correlations[0, :n]
+    bits = score.view(np.int64)
     for query in range(start, stop):
         for m in range(n_modalities):
             smallest[m] = 1.0
-            kernel, row = kernels[m, query], correlations[m]
-            for p in range(n):
-                row[p] = kernel[p]
+            for p in range(unsigned(0), unsigned(n)):
+                correlations[m, p] = kernels[m, query, p]
         first = 0.0
         chosen = indices[query]
         taken = 0
         for step in range(k):
-            atom = _best_atom(correlations, free, score, bits)
-            best = score[atom]
+            atom = _best_atom(correlations, free, score, bits, unit)
+            best = abs(score[atom])
             if step == 0:
                 first = best
             if not (best > 8.0 * EPS * first and best > 0.0):
@@ -92,9 +95,12 @@ def pursue(
             if not independent:
                 break
             chosen[step] = atom
+            taken += 1
             for m in range(n_modalities):
                 free[m, atom] = 0.0
-            taken += 1
+            if unit:
+                for place in range(taken):
+                    score[chosen[place]] = 0.0
         for m in range(n_modalities):
             for place in range(taken):
                 free[m, chosen[place]] = scales[m, chosen[place]]
@@ -102,19 +108,20 @@ def pursue(
 
 
 @compiled
-def _best_atom(correlations: FloatArray, free: FloatArray, scores: FloatArray, bits: IntArray) -> int:
+def _best_atom(correlations: FloatArray, free: FloatArray, scores: FloatArray, bits: IntArray, unit: bool) -> int:
     """Write each atom's size of correlation over the modalities into `scores`; the lowest index of the largest.
 
-    `bits` are the scores read as whole numbers, whose order is the same for floats that are not negative:
-    that vectorises, and so do unsigned indices and a search without an early end.
+    With `unit` the scores are there already, but for their sign. `bits` are the scores read as whole numbers,
+    whose order is the same without the sign: that vectorises, and so does a search without an early end.
     """
     n_modalities, n = len(correlations), len(scores)
     largest = np.int64(-1)
     start = stop = unsigned(0)
     for block in range(0, n, BLOCK):
         begin, end = unsigned(block), unsigned(min(block + BLOCK, n))
-        for p in range(begin, end):
-            scores[p] = abs(correlations[0, p]) * free[0, p]
+        if not unit:
+            for p in range(begin, end):
+                scores[p] = abs(correlations[0, p]) * free[0, p]
         if n_modalities > 1:
             for p in range(begin, end):
                 scores[p] *= scores[p]
@@ -126,12 +133,12 @@ def _best_atom(correlations: FloatArray, free: FloatArray, scores: FloatArray, b
                 scores[p] = math.sqrt(scores[p])
         here = np.int64(-1)
         for p in range(begin, end):
-            here = max(here, bits[p])
+            here = max(here, bits[p] & SIGNLESS)
         if here > largest:
             largest, start, stop = here, begin, end
     place = stop
     for p in range(start, stop):
-        place = min(place, p if bits[p] == largest else stop)
+        place = min(place, p if bits[p] & SIGNLESS == largest else stop)
     return int(place)
 
 
