@@ -7,6 +7,7 @@ needs when it runs: the door itself stays light.
 from vtbench.commands import (
     board,
     bring,
+    calibrate_taxels,
     check,
     compare,
     env,
@@ -20,6 +21,7 @@ from vtbench.commands import (
     show,
     slip_cost,
     submissions,
+    time,
 )
 
 MODULES = (
@@ -35,7 +37,9 @@ MODULES = (
     submissions,
     board,
     compare,
+    calibrate_taxels,
     frame_cost,
     slip_cost,
+    time,
     env,
 )
