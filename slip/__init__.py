@@ -36,6 +36,7 @@ _EXPORTS = {
     "Spectral": "slip.spectral",
     "TrainingTrial": "slip.training_trial",
     "Trial": "slip.alarms",
+    "beta_of_slip": "slip.earlier_slip",
     "cfar": "slip.calibrate",
     "covariance_norm": "slip.covariance",
     "delay_at_rate": "slip.delay",

@@ -53,7 +53,16 @@ def prepare_datasets(suite: Suite, out: Path, jobs: int, progress: bool) -> None
         if (path / "dataset.json").is_file():
             _check_same(path, read_meta(path), spec, scene)
             continue
-        write_scene(path, scene, samples=spec.samples, seed=spec.seed, jobs=jobs, truth=spec.truth, progress=progress)
+        write_scene(
+            path,
+            scene,
+            samples=spec.samples,
+            seed=spec.seed,
+            jobs=jobs,
+            truth=spec.truth,
+            frames=spec.frames,
+            progress=progress,
+        )
 
 
 def find_sources(suite: Suite, out: Path) -> dict[tuple[str, str, str | None], Source]:
@@ -104,8 +113,10 @@ def _check_same(path: Path, meta: DatasetMeta, spec: DatasetSpec, scene: PressSc
         "samples": scene.n_samples if spec.samples is None else spec.samples,
         "seed": spec.seed,
         "truth": set(spec.truth),
+        "frames": spec.frames or scene.kind != "slide",
     }
     there = {"scene": meta.scene, "samples": meta.samples, "seed": meta.seed, "truth": set(meta.truth)}
+    there["frames"] = "frames" in meta.columns or scene.kind != "slide"
     if differing := [name for name in asked if asked[name] != there[name]]:
         raise ValueError(
             f"{path}: its {', '.join(differing)} {'is' if len(differing) == 1 else 'are'} not what the suite asks for; "

@@ -45,6 +45,7 @@ class DatasetSpec(_Part):
         samples: number of presses or trials, the scene's full protocol by default.
         seed: run seed.
         truth: ground-truth fields to keep.
+        frames: of slides: keep the camera's frames too.
         set: values laid over the scene, by dotted key.
     """
 
@@ -54,6 +55,7 @@ class DatasetSpec(_Part):
     samples: int | None = Field(None, ge=1)
     seed: int = Field(0, ge=0)
     truth: tuple[str, ...] = ()
+    frames: bool = False
     set: dict[str, JsonValue] = {}
 
     @field_validator("truth")
@@ -70,8 +72,10 @@ class DatasetSpec(_Part):
     def _one_source(self) -> Self:
         if (self.scene is None) == (self.path is None):
             raise ValueError(f"dataset {self.id!r}: expected a scene or a path, one of the two")
-        if self.path is not None and (self.samples, self.seed, self.truth, self.set) != (None, 0, (), {}):
-            raise ValueError(f"dataset {self.id!r}: samples, seed, truth and set belong to a scene, not to a path")
+        of_a_scene = (self.samples, self.seed, self.truth, self.frames, self.set)
+        if self.path is not None and of_a_scene != (None, 0, (), False, {}):
+            named = "samples, seed, truth, frames and set"
+            raise ValueError(f"dataset {self.id!r}: {named} belong to a scene, not to a path")
         return self
 
 

@@ -76,6 +76,16 @@ class SlideData(TaskData):
                 dataset = SlideDataset.open(path, verify=False)
                 yield from zip(mine.tolist(), dataset.each_series(self.at[mine, 1]), strict=True)
 
+    def frames(self, trial: int) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """Frames (F, height, width, 3) of a trial and their times (F,) in seconds; none where they were not kept."""
+        from vtbench.data.slide_reader import SlideDataset
+
+        dataset, row = self.at[trial].tolist()
+        try:
+            return SlideDataset.open(self.paths[dataset], verify=False).frames(row)
+        except ValueError:
+            return np.empty((0, 0, 0, 3), np.uint8), np.empty(0)
+
     def states(self, trials: Sequence[int]) -> dict[int, NDArray[np.uint8]]:
         """State of the contact (T,) of each of the trials: 0 stick, 1 partial slip, 2 gross slip."""
         from vtbench.data.slide_reader import SlideDataset

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from slip.delay import onset_delay
 from vtbench.run.detection.cost import cost_us
+from vtbench.run.detection.looking import frames_of, looks, trial_scores
 from vtbench.run.detection.methods import BASELINE
 from vtbench.run.detection.thresholds import Fitted, fit, seen
 from vtbench.run.detection.traces import Trace, Traces, kept_rule, trace_of, trial_of
@@ -40,12 +41,16 @@ class DetectionWork:
 
 @dataclass(frozen=True)
 class Run:
-    """A detector on a whole split: its threshold in each fold, and the trace of each test trial in fold order."""
+    """A detector on a whole split: its threshold in each fold, and the trace of each test trial in fold order.
+
+    `rest` holds, of each test trial, the samples at rest that score beta or more, and all settled ones at rest.
+    """
 
     fitted: list[Fitted]
     traces: list[Trace]
     seconds: float
     samples: int
+    rest: list[tuple[int, int]] = field(default_factory=list)
 
 
 _baselines: dict[tuple[str, str, str], Run] = {}
@@ -57,7 +62,7 @@ def detect(work: DetectionWork) -> Outcome:
     Returns:
         an outcome with the arrays `sample_id`, `group`, `fold`, `label` (1 where an alarm is raised in a slip, or in a
         trial without one), `held` and `held_length` (see `traces`), `beta` a fold, the same of the baseline, `cost_us`
-        (batch, stream) and `choices` (JSON a fold).
+        (batch, stream), `rest` (alarms before hold-on and samples of each trial's rest) and `choices` (JSON a fold).
     """
     start = time.perf_counter()
     own = run_detector(work.detector, work)
@@ -68,8 +73,9 @@ def detect(work: DetectionWork) -> Outcome:
     elif name not in _baselines:
         _baselines[name] = run_detector(BASELINE, work)
     beside = _baselines[name]
-    first = next(work.data.each_force(work.split.folds[0].test[:1]))[1]
-    costs = cost_us(own.fitted[0].detector, seen(first, work.feed))
+    trial, force = next(work.data.each_force(work.split.folds[0].test[:1]))
+    detector = own.fitted[0].detector
+    costs = cost_us(detector, seen(force, work.feed), frames_of(work.data, trial) if looks(detector) else None)
     predictions = packed(work, own, beside, costs)
     return Outcome(work.key, "ok", predictions=predictions, fit_s=fitted_s / len(work.split.folds), predict_us=costs[0])
 
@@ -91,30 +97,40 @@ def packed(work: DetectionWork, own: Run, beside: Run, costs_us: tuple[float, fl
         "baseline_held": kept_beside.values,
         "baseline_held_length": kept_beside.lengths,
         "cost_us": np.array(costs_us),
+        "rest": np.array(own.rest, np.int64).reshape(-1, 2),
         "choices": np.array([json.dumps(each.note, sort_keys=True) for each in own.fitted]),
     }
 
 
 def run_detector(name: str, work: DetectionWork) -> Run:
     """A detector on every fold."""
-    fitted, traces, seconds, samples = [], [], 0.0, 0
+    fitted, traces, rest, seconds, samples = [], [], [], 0.0, 0
     for fold in work.split.folds:
         found = fit(name, work.feed, work.data, fold.train, work.task.cfar_rate, work.task.window)
         start = time.perf_counter()
-        traces += test_traces(found, work, fold)
+        for trace, at_rest in _tested(found, work, fold):
+            traces.append(trace)
+            rest.append(at_rest)
         seconds += time.perf_counter() - start
         samples += sum(work.data.truth[trial].samples for trial in fold.test.tolist())
         fitted.append(found)
-    return Run(fitted, traces, seconds, samples)
+    return Run(fitted, traces, seconds, samples, rest)
 
 
 def test_traces(found: Fitted, work: DetectionWork, fold: Fold) -> list[Trace]:
     """Traces of a fold's test trials, in their order."""
-    rule = work.task.rule
-    by_trial = {
-        trial: trace_of(found.detector.score(seen(force, work.feed)) / found.unit, work.data.truth[trial], rule)
-        for trial, force in work.data.each_force(fold.test)
-    }
+    return [trace for trace, _ in _tested(found, work, fold)]
+
+
+def _tested(found: Fitted, work: DetectionWork, fold: Fold) -> list[tuple[Trace, tuple[int, int]]]:
+    """Trace of each test trial in the fold's order, with its alarms and settled samples at rest."""
+    by_trial = {}
+    for trial, force in work.data.each_force(fold.test):
+        truth = work.data.truth[trial]
+        scores = trial_scores(found.detector, work.data, trial, seen(force, work.feed))
+        at_rest = scores[min(found.detector.settling, truth.rest) : truth.rest]
+        alarms = int((at_rest >= found.beta).sum())
+        by_trial[trial] = trace_of(scores / found.unit, truth, work.task.rule), (alarms, len(at_rest))
     return [by_trial[trial] for trial in fold.test.tolist()]
 
 

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 import slip
+from vtbench.run.detection.looking import WITH_FRAMES, frames_of
 from vtbench.tasks.base import NotPossibleError
 from vtbench.tasks.slides import SlideData
 
 if TYPE_CHECKING:
     from slip import TrainingTrial
 
-LEARNT = ("neural-force",)
-"""Of `slip.learnt_detector_names`, those that need the forces alone."""
+LEARNT = slip.learnt_detector_names()
 MOST_TRIALS = 120
 EPOCHS = 12
 
@@ -30,12 +30,12 @@ def learnt(name: str, data: SlideData, train: NDArray[np.int64]) -> Any:
     chosen = [trial for trial in train.tolist() if data.truth[trial].comparable]
     chosen = [chosen[at] for at in np.unique(np.linspace(0, len(chosen) - 1, MOST_TRIALS).round().astype(int))]
     try:
-        return slip.make_detector(name).fit(list(_trials(data, chosen)), epochs=EPOCHS, seed=0)
+        return slip.make_detector(name).fit(_trials(data, chosen, name in WITH_FRAMES), epochs=EPOCHS, seed=0)
     except ValueError as error:
         raise NotPossibleError(f"nothing to learn slip from: {error}") from None
 
 
-def _trials(data: SlideData, chosen: list[int]) -> Iterator[TrainingTrial]:
+def _trials(data: SlideData, chosen: list[int], with_frames: bool) -> Iterator[TrainingTrial]:
     states = data.states(chosen)
     for trial, force in data.each_force(chosen):
-        yield slip.TrainingTrial(force, states[trial])
+        yield slip.TrainingTrial(force, states[trial], **(frames_of(data, trial) if with_frames else {}))

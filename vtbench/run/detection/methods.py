@@ -21,6 +21,7 @@ _ABOUT = {
     "energy-load-removed": "mean absolute difference without what is in proportion to the load",
     "spectral": "energy of the differences above 150 Hz",
     "neural-force": "causal convolutional net over force differences, learnt on the training trials",
+    "neural-force-frames": "the same net that also looks at the camera; needs trials with frames",
 }
 
 

@@ -34,6 +34,10 @@ class SequenceData(SlideData):
         for trial in np.asarray(trials, np.int64).tolist():
             yield trial, self.forces[trial]
 
+    def frames(self, trial: int) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """None: these are forces alone."""
+        return np.empty((0, 0, 0, 3), np.uint8), np.empty(0)
+
     def states(self, trials: Sequence[int]) -> dict[int, NDArray[np.uint8]]:
         """State (T,) of each sequence, 2 while it slips.
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from leaderboard.record import Metric
 from slip.alarms import AlarmRule, Trial, quiet_peaks
 from slip.delay import delay_at_rate, onset_delay, paired_delay_interval
+from vtbench.run.detection.at_rest import rest_rates
 from vtbench.run.detection.metrics import (
     BOOTSTRAP,
     DRAWS,
@@ -70,6 +71,7 @@ def score_slips(predictions: Arrays, data: SlideData, task: SlipTask) -> tuple[M
         *at_rates(own, beside, task.rates),
         *against_each_kind(own.trials, beside.trials, truth, max(task.rates), own.rule),
         *area(own),
+        *rest_rates(predictions),
         Metric(name="batch_us", value=batch_us, unit="µs a sample", direction="lower", n=1, groups=1),
         Metric(name="stream_us", value=stream_us, unit="µs a sample", direction="lower", n=1, groups=1),
     )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import slip
 from vtbench.run.detection.learning import LEARNT, learnt
+from vtbench.run.detection.looking import looks, trial_scores
 from vtbench.tasks.base import NotPossibleError
 from vtbench.tasks.slides import SlideData
 
@@ -57,12 +58,21 @@ def fit(name: str, feed: str, data: SlideData, train: NDArray[np.int64], cfar_ra
     else:
         detector = slip.make_detector(name, **parameters(name, window, data.truth[int(train[0])].rate_hz))
     if feed == "cfar":
+        if looks(detector):
+            raise NotPossibleError("cfar simulates rest noise of the forces; what the camera sees at rest it does not")
         rest = rest_forces(data, train)
         try:
             found = slip.cfar(detector, rest, cfar_rate)
         except ValueError as error:
             raise NotPossibleError(f"the training rests do not give a threshold: {error}") from None
-        note = {"beta": found.beta, "rest_rate": found.rest_rate, "coloured": found.coloured, "cfar": str(found)}
+        note = {
+            "beta": found.beta,
+            "asked": [found.asked_rate, found.low, found.high],
+            "rest_rate": found.rest_rate,
+            "rest": [found.rest_rate, found.rest_low, found.rest_high],
+            "coloured": found.coloured,
+            "cfar": str(found),
+        }
         return Fitted(found.detector, found.beta, found.beta, note)
     betas = earlier_slips(detector, feed, data, train)
     beta = float(np.sort(betas)[len(betas) // 2])
@@ -77,7 +87,8 @@ def earlier_slips(detector: Any, feed: str, data: SlideData, train: NDArray[np.i
         assert truth.onset is not None
         assert truth.end is not None
         try:
-            betas.append(slip.prior(detector, seen(force, feed), (truth.onset, truth.end)).beta)
+            scores = trial_scores(detector, data, trial, seen(force, feed))
+            betas.append(slip.beta_of_slip(scores, (truth.onset, truth.end), detector.settling))
         except ValueError:
             continue
     if not betas:
