@@ -7,16 +7,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import pandas as pd
 from markupsafe import Markup
 
 from leaderboard import svg
+from leaderboard.curves import dominant, front
 from leaderboard.frame import Row, records_of
+from leaderboard.judgement import Better
 from leaderboard.names import CLASSIFIERS, DETECTORS, METHODS, MODALITIES, SPLITS, order, title
 from leaderboard.svg import Scale
-from leaderboard.views import microseconds, number, span
+from leaderboard.views import FLAG, microseconds, number, span
 
+ALL_FEEDS = "all feeds, features included"
 OWN_STYLE = 7
 """Colour and shape of methods that the board does not know."""
 WIDTH, HEIGHT = 262.0, 232.0
@@ -51,20 +55,25 @@ class Figure:
     legend: tuple[Key, ...]
 
 
-def speed_figure(speed: pd.DataFrame, name: str) -> Figure | None:
+def speed_figure(speed: pd.DataFrame, name: str, better: Better = frozenset()) -> Figure | None:
     """Return error against microseconds a sample, a strip for each split and machine; None without two points.
 
-    `speed` holds the rows of one task, variant and dataset, as `curves.speed_table` gives them.
+    `speed` holds the rows of one task, variant and dataset, as `curves.speed_table` gives them. A first panel has all
+    feeds with their features; in each panel a line is the Pareto front of the figures as they stand, and a hollow mark
+    a method that another beats surely in error, by `better`, and in time.
     """
     rows = [row for row in records_of(speed) if row["predict_us"]]
     if len(rows) < 2:
         return None
     x_range = svg.decades([row["predict_us"] for row in rows])
+    whole = svg.decades([row["total_us"] for row in rows])
     many = len({row["fingerprint"] for row in rows}) > 1
     strips = []
     for (split, fingerprint), strip in _grouped(rows, "split", "fingerprint"):
         top = svg.nice_top(max(max(row["error"], row["error_high"] or 0) for row in strip) or 1.0)
-        panels = [_speed_panel(part, modality, x_range, top) for (modality,), part in _grouped(strip, "modality")]
+        feeds = _grouped(strip, "modality")
+        panels = [_speed_panel(strip, ALL_FEEDS, whole, top, better, "total_us")] if len(feeds) > 1 else []
+        panels += [_speed_panel(part, title(MODALITIES, modality), x_range, top, better) for (modality,), part in feeds]
         where = f", machine {fingerprint[:12]}" if many else ""
         strips.append(Strip(title(SPLITS, split) + where, tuple(panels)))
     features = [row["feature_us"] for row in rows if row["feature_us"]]
@@ -72,28 +81,44 @@ def speed_figure(speed: pd.DataFrame, name: str) -> Figure | None:
     return Figure(
         id=f"speed-{name}",
         title="Error against speed",
-        caption="Lower left is better. Time is the method alone, a sample on one thread, on a logarithmic axis; "
-        f"whiskers are 95 % intervals; panels of a row share their axes.{beside}",
+        caption="Lower left is better. Time is the method alone, a sample on one thread, on a logarithmic axis, where "
+        "not said otherwise; whiskers are 95 % intervals; panels of a row share their error axis. The line is the "
+        "Pareto front of the figures as they stand. A hollow mark is surely dominated: another method is faster, and its "
+        f"error is lower where intervals of the difference separate, all pairs together.{beside} A mark opens its record.",
         strips=tuple(strips),
         legend=legend(row["method"] for row in rows),
     )
 
 
-def _speed_panel(rows: Sequence[Row], modality: str, x_range: tuple[float, float], top: float) -> Markup:
+def _speed_panel(
+    rows: Sequence[Row], head: str, x_range: tuple[float, float], top: float, better: Better, time: str = "predict_us"
+) -> Markup:
     x, y = Scale(*x_range, LEFT + 4, RIGHT - 8, log=True), Scale(0, top, BOTTOM, TOP)
-    head = title(MODALITIES, modality)
     parts = [svg.frame(x, y, head, "time a sample", f"error, {rows[0]['unit']}", _duration)]
+    edge = front(rows, time)
+    parts.append(svg.polyline(_stairs([(x(row[time]), y(row["error"])) for row in edge], x.stop), "front"))
+    marks = []
     for row in rows:
-        at, (css, _) = x(row["predict_us"]), style(row["method"])
+        at, (css, shape) = x(row[time]), style(row["method"])
         if row["error_low"] is not None:
             parts.append(svg.whisker(at, y(max(0, row["error_low"])), y(row["error_high"]), css))
-        if row["predict_low_us"] and row["predict_high_us"]:
-            ends = [min(max(row[f"predict_{end}_us"], x.low), x.high) for end in ("low", "high")]
-            parts.append(svg.line(x(ends[0]), y(row["error"]), x(ends[1]), y(row["error"]), f"whisker {css}"))
-    for row in rows:
-        css, shape = style(row["method"])
-        parts.append(svg.mark(x(row["predict_us"]), y(row["error"]), shape, css, _tip(row)))
-    return svg.drawing(WIDTH, HEIGHT, f"Error against speed, {head}", Markup("").join(parts))
+        if time == "predict_us" and row["predict_low_us"] and row["predict_high_us"]:
+            height = y(row["error"])
+            parts.append(
+                svg.line(x(row["predict_low_us"]), height, x(row["predict_high_us"]), height, f"whisker {css}")
+            )
+        looks = f"{css} dominated" if dominant(row, rows, better, time) else css
+        tip, data = _tip(row, time), (row[time], row["error"])
+        marks.append(svg.point(at, y(row["error"]), shape, looks, tip, row["key"], data))
+    return svg.drawing(WIDTH, HEIGHT, f"Error against speed, {head}", Markup("").join([*parts, *marks]))
+
+
+def _stairs(points: Sequence[tuple[float, float]], stop: float) -> list[tuple[float, float]]:
+    """Return the corners of a front that falls from left to right, drawn on to `stop`."""
+    corners = [points[0]]
+    for (_, before), (x, y) in pairwise(points):
+        corners += [(x, before), (x, y)]
+    return [*corners, (stop, points[-1][1])]
 
 
 def pose_figure(curve: pd.DataFrame, name: str) -> Figure | None:
@@ -140,7 +165,10 @@ def _pose_panel(rows: Sequence[Row], upper: Sequence[Row], modality: str, shifts
         parts += [
             svg.whisker(px, y(row["low"]), y(row["high"]), css) for px, _, row in placed if row["low"] is not None
         ]
-        marks += [svg.mark(px, py, shape, css, _pose_tip(row)) for px, py, row in placed]
+        marks += [
+            svg.point(px, py, shape, css, _pose_tip(row), row["key"], (row["jitter_mm"], row["value"]))
+            for px, py, row in placed
+        ]
     return svg.drawing(WIDTH, HEIGHT, f"Accuracy against unknown pose, {head}", Markup("").join([*parts, *marks]))
 
 
@@ -185,11 +213,14 @@ def _duration(us: float) -> str:
     return f"{us:g} µs" if us < 1e3 else f"{us / 1e3:g} ms" if us < 1e6 else f"{us / 1e6:g} s"
 
 
-def _tip(row: Row) -> str:
+def _tip(row: Row, time: str) -> str:
     error = f"{number(row['error'])} ({span(row['error_low'], row['error_high'])}) {row['unit']}"
-    return f"{title(METHODS, row['method'])}: error {error}, {microseconds(row['predict_us'])} µs"
+    fed = f", {title(MODALITIES, row['modality'])}" if time == "total_us" else ""
+    flag = f"; {FLAG} {row['probe']}" if row["probe"] else ""
+    return f"{title(METHODS, row['method'])}{fed}: error {error}, {microseconds(row[time])} µs{flag}"
 
 
 def _pose_tip(row: Row) -> str:
     score = f"{number(row['value'])} ({span(row['low'], row['high'])}) %"
-    return f"{title(METHODS, row['method'])}, {row['jitter_mm']:g} mm: {score}"
+    flag = f"; {FLAG} {row['probe']}" if row["probe"] else ""
+    return f"{title(METHODS, row['method'])}, {row['jitter_mm']:g} mm: {score}{flag}"

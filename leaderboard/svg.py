@@ -83,6 +83,13 @@ SHAPES: tuple[str, ...] = (
 """Circle, square, diamond, triangle up, triangle down, plus, cross, hexagon."""
 
 
+def point(x: float, y: float, shape: int, css: str, tip: str, key: str, data: tuple[float, float]) -> Markup:
+    """Return a data point that opens the record `key`; `data` are the figures that it stands for."""
+    return Markup(
+        '<a href="#r-{}" class="point" data-key="{}" data-x="{!r}" data-y="{!r}" aria-label="{}">{}</a>'
+    ).format(key[:16], key, *map(float, data), tip, mark(x, y, shape, css, tip))
+
+
 def mark(x: float, y: float, shape: int, css: str, tip: str) -> Markup:
     """Return a data point; `tip` is shown by the browser on hover and read aloud."""
     return Markup('<path d="{}" transform="translate({:.1f} {:.1f})" class="mark {}"><title>{}</title></path>').format(
@@ -112,5 +119,5 @@ def frame(x: Scale, y: Scale, head: str, x_title: str, y_title: str, x_tick: Cal
 def drawing(width: float, height: float, title: str, body: Markup) -> Markup:
     """Return the whole picture with a title for screen readers."""
     return Markup(
-        '<svg viewBox="0 0 {:.0f} {:.0f}" role="img" aria-label="{}" xmlns="http://www.w3.org/2000/svg">{}</svg>'
-    ).format(width, height, title, body)
+        '<svg viewBox="0 0 {:.0f} {:.0f}" role="{}" aria-label="{}" xmlns="http://www.w3.org/2000/svg">{}</svg>'
+    ).format(width, height, "group" if "<a " in body else "img", title, body)

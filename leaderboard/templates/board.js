@@ -11,7 +11,8 @@ for (const table of document.querySelectorAll("table.sortable")) {
     button.addEventListener("click", () => {
       const numeric = head.dataset.sort === "number";
       const was = head.getAttribute("aria-sort");
-      const next = was ? (was === "ascending" ? "descending" : "ascending") : numeric ? "descending" : "ascending";
+      const first = head.dataset.first || (numeric ? "descending" : "ascending");
+      const next = was ? (was === "ascending" ? "descending" : "ascending") : first;
       heads.forEach((other) => other.removeAttribute("aria-sort"));
       head.setAttribute("aria-sort", next);
       table.classList.add("sorted");
@@ -40,3 +41,23 @@ function reveal() {
 }
 addEventListener("hashchange", reveal);
 reveal();
+
+// A score or a point of a plot opens its record on the spot; without this the link leads to the list below.
+const view = document.getElementById("record-view");
+document.addEventListener("click", (event) => {
+  const link = event.target.closest('a[href^="#r-"]');
+  if (!link || event.ctrlKey || event.metaKey || event.shiftKey || view.contains(link)) return;
+  const record = document.getElementById(link.getAttribute("href").slice(1));
+  if (!record || !view.showModal) return;
+  event.preventDefault();
+  const [summary, ...rest] = record.children;
+  view.querySelector("h2").textContent = summary.querySelector(".name").textContent;
+  const standing = [...summary.children].slice(1).map((part) => part.cloneNode(true));
+  const outcome = document.createElement("p");
+  standing.forEach((part) => outcome.append(part, " "));
+  view.querySelector(".body").replaceChildren(outcome, ...rest.map((part) => part.cloneNode(true)));
+  view.showModal();
+});
+view.addEventListener("click", (event) => {
+  if (event.target === view || event.target.closest(".bar button, a[href^='#']")) view.close();
+});

@@ -134,7 +134,7 @@ def test_tables_can_be_sorted_scrolled_and_read_aloud(page: Page) -> None:
     assert all(attrs["tabindex"] == "0" and attrs["aria-label"] for attrs in labelled)
     assert all(attrs.get("scope") in {"col", "row"} for attrs in page.all("th"))
     assert {attrs.get("data-sort") for attrs in page.all("th")} >= {"number", "text"}
-    figures = [attrs for attrs in page.all("svg") if attrs.get("role") == "img"]
+    figures = [attrs for attrs in page.all("svg") if attrs.get("role") in {"img", "group"}]
     assert figures
     assert all(attrs["aria-label"] for attrs in figures)
 
