@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -169,7 +169,7 @@ def on_hidden(task_id: str, variant: str | None, split: str | None, hidden: Hidd
     task = TASKS.get(task_id)
     name = _variant(task, variant)
     paths = (hidden.path,)
-    data = _load(task, paths)
+    data = _unnamed(_load(task, paths))
     if isinstance(task, SlipTask):
         chosen = _split(task, name, split, data, 0)
     elif split not in (None, HIDDEN):
@@ -178,6 +178,15 @@ def on_hidden(task_id: str, variant: str | None, split: str | None, hidden: Hidd
         chosen = _whole(data, HIDDEN)
     meta = read_meta(hidden.path)
     return Tested(task, name, chosen, paths, data, hidden.name, meta.hash, "simulated", hidden=hidden.commitment)
+
+
+def _unnamed(data: TaskData) -> TaskData:
+    """Data whose ids and units only count: those of a hidden set would tell which sensors were drawn."""
+    units = {}
+    if "unit" in data.factors:
+        units["unit"] = np.unique(data.factors["unit"], return_inverse=True)[1].ravel()
+    ids = np.array([f"{at:06d}" for at in range(len(data))])
+    return replace(data, ids=ids, factors={**data.factors, **units})
 
 
 def _variant(task: Task, variant: str | None) -> str:
