@@ -1,4 +1,4 @@
-"""What one paired press frame costs, stage by stage."""
+"""What one paired press frame costs, stage by stage, and one second of friction and electronics."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from typing import Any, TypeVar
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from sensors.fvsight import FVSightParameters, FVSightUnit, fvsight_unit
+from sensors.electronics.piezoresistive import PiezoresistiveChain
+from sensors.friction.lugre import LuGre
+from sensors.fvsight import FORCE_RATE_HZ, TAXELS_PER_SIDE, FVSightParameters, FVSightUnit, fvsight_unit
 from sensors.press import draw_pose, load_history, presented_gap, taxel_history
 from sensors.scene import PressScene
 
@@ -21,6 +23,8 @@ CONFIGURATIONS: dict[str, FVSightParameters] = {
         support="plate", grid=64, film_thickness_mm=4.0, film_modulus_mpa=0.3
     ),
 }
+TAXELS, TAXEL_STAGES = "16 taxels, 1 s at 1 kHz", ("friction", "electronics", "both")
+_TAXEL_ROUNDS = 30
 STAGES = ("place", "contact", "taxels", "render", "frame total", "force history")
 
 
@@ -29,16 +33,18 @@ def frame_cost(repeats: int = 3, seed: int = 0) -> list[dict[str, Any]]:
 
     Presses all 27 objects `repeats` times with fresh poses after a warm-up; rows hold sensor, stage, ms_p50, ms_p95,
     ms_max and n. `frame total` is place + contact + taxels + render (no encoding); the force history of a press, with
-    its further solves and its electronics, is apart.
+    its further solves and its electronics, is apart. The rows of `TAXELS` are one second of LuGre friction in the plane
+    and of the piezoresistive chain for 16 taxels, `_TAXEL_ROUNDS` times a repeat.
     """
     if repeats < 1:
         raise ValueError(f"repeats must be >= 1, got {repeats}")
     with threadpool_limits(1):
-        return [
+        rows = [
             row
             for name, parameters in CONFIGURATIONS.items()
             for row in _rows(name, _measure(parameters, repeats, seed))
         ]
+        return rows + _rows(TAXELS, _measure_taxels(_TAXEL_ROUNDS * repeats, seed))
 
 
 def _measure(parameters: FVSightParameters, repeats: int, seed: int) -> dict[str, list[float]]:
@@ -71,6 +77,25 @@ def _press_once(
         unit.read(taxel_history(unit, gap, press, load), session, rng)
 
     _timed(spent, "force history", history)
+    return spent
+
+
+def _measure_taxels(rounds: int, seed: int) -> dict[str, list[float]]:
+    rng = np.random.default_rng(seed)
+    chain, law = PiezoresistiveChain(), LuGre(np.full(TAXELS_PER_SIDE**2, 2e4), damping=0.3, viscosity=0.4)
+    time_s = np.arange(round(FORCE_RATE_HZ)) / FORCE_RATE_HZ
+    swing = np.sin(2 * np.pi * time_s[:, None] * rng.uniform(0.5, 3, TAXELS_PER_SIDE**2))
+    load = 2 + swing
+    velocity = 0.02 * np.stack((swing, 1 - swing**2), axis=-1)
+    spent: dict[str, list[float]] = {stage: [] for stage in TAXEL_STAGES}
+    for round_number in range(rounds + 1):
+        sample: dict[str, float] = {}
+        _timed(sample, "friction", lambda: law.follow(velocity, load, 1 / FORCE_RATE_HZ))
+        _timed(sample, "electronics", lambda: chain.read(load, rng))
+        sample["both"] = sum(sample.values())
+        if round_number > 0:  # the first round compiles
+            for stage, milliseconds in sample.items():
+                spent[stage].append(milliseconds)
     return spent
 
 

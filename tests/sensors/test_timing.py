@@ -2,13 +2,16 @@
 
 import pytest
 
-from sensors.timing import CONFIGURATIONS, STAGES, frame_cost
+from sensors.timing import CONFIGURATIONS, STAGES, TAXEL_STAGES, TAXELS, frame_cost
 
 
 @pytest.mark.slow
 def test_rows_cover_every_stage_and_the_total_is_their_sum():
     rows = frame_cost(repeats=1)
-    assert {(row["sensor"], row["stage"]) for row in rows} == {(s, t) for s in CONFIGURATIONS for t in STAGES}
+    assert {(row["sensor"], row["stage"]) for row in rows} == {
+        *((sensor, stage) for sensor in CONFIGURATIONS for stage in STAGES),
+        *((TAXELS, stage) for stage in TAXEL_STAGES),
+    }
     for sensor in CONFIGURATIONS:
         cost = {row["stage"]: row["ms_p50"] for row in rows if row["sensor"] == sensor}
         parts = sum(cost[stage] for stage in STAGES[:4])

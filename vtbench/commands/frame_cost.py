@@ -16,7 +16,8 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         run,
         help="measure what one paired press frame costs, by stage",
         about="CPU milliseconds on one thread, over presses of all objects. `frame total` is one contact solve, the "
-        "taxels and\nthe rendered frame, without encoding; the force history of a press is apart.",
+        "taxels and\nthe rendered frame, without encoding; the force history of a press is apart.\nThe last rows "
+        "are one second of friction and electronics of 16 taxels.",
         examples=("vtbench frame-cost", "vtbench frame-cost --repeats 10 --json"),
     )
     parser.add_argument("--repeats", metavar="N", type=whole_number(1), default=3, help="rounds (default 3)")

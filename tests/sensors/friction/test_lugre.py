@@ -1,4 +1,4 @@
-"""LuGre in prescribed motion: against a tight reference, where Euler diverges, and the laws of friction."""
+"""LuGre in prescribed motion: second order, stable where Euler diverges, and the laws of friction."""
 
 from itertools import pairwise
 
@@ -33,15 +33,6 @@ def reference(law, time):
 
     solution = solve_ivp(bristle_rate, (0, time[-1]), np.zeros(2), "LSODA", time, rtol=1e-9, atol=1e-14, max_step=1e-3)
     return law.force(solution.y.T, velocity_at(time), np.full(len(time), LOAD))
-
-
-# relative to the friction limit, at 1 kHz
-@pytest.mark.parametrize(("stiffness", "bound"), [(1e3, 3e-5), (1e4, 3e-4), (1e5, 3e-3), (1e6, 0.015)])
-def test_error_against_a_tight_reference(stiffness, bound):
-    law = LuGre(stiffness, damping=0.3, viscosity=0.4, stribeck_m_per_s=5e-3)
-    time = np.arange(0, 0.5, DT)
-    error = run(law, velocity_at(time), np.array(LOAD)) - reference(law, time)
-    assert np.abs(error).max() < bound * law.static * LOAD
 
 
 def test_error_falls_with_the_square_of_the_step():
