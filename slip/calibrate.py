@@ -26,7 +26,9 @@ class Calibration:
     low, high : interval of the rate that beta really gives on white noise, from the error of beta's own estimate
         (rest segment and simulation); None with `prior`.
     rest_rate, rest_low, rest_high : rate measured on the rest samples, with a block-bootstrap interval.
-    coloured : whether the rest noise departs from white; None with `prior`.
+    coloured : whether the rest noise departs from white, by its correlations or because the rate at rest lies
+        above the asked one: noise whose size changes, with the load or from trial to trial, has white
+        correlations; None with `prior`.
     """
 
     detector: DifferenceDetector
@@ -50,7 +52,7 @@ class Calibration:
         if self.asked_rate is None:
             return f"beta {self.beta:.6g} ({self.method}): false alarms per sample {measured}"
         asked = f"asked {self.asked_rate:.3g} [{self.low:.3g}, {self.high:.3g}]"
-        colour = f"; the rest noise is coloured, gap {self.gap:+.3g}" if self.coloured else ""
+        colour = f"; the rest noise is coloured or changes in size, gap {self.gap:+.3g}" if self.coloured else ""
         return f"beta {self.beta:.6g} ({self.method}): false alarms per sample {asked}, {measured}{colour}"
 
 
@@ -98,6 +100,7 @@ def cfar(
     reach = NormalDist().inv_cdf((1.0 + level) / 2.0) * spread
     settled = whitened.score(force)[whitened.settling :]
     measured, low, high = rate_interval(settled >= beta, whitened.settling, level=level, seed=seed)
+    asked_low, asked_high = rate * float(np.exp(-reach)), rate * float(np.exp(reach))
     return Calibration(
         whitened,
         beta,
@@ -106,9 +109,9 @@ def cfar(
         low,
         high,
         asked_rate=rate,
-        low=rate * float(np.exp(-reach)),
-        high=rate * float(np.exp(reach)),
-        coloured=measure_rest(differences).coloured,
+        low=asked_low,
+        high=asked_high,
+        coloured=measure_rest(differences).coloured or low > asked_high,
     )
 
 

@@ -74,8 +74,19 @@ def test_coloured_noise_is_said_and_its_gap_printed():
     slow = np.cumsum(drive, axis=0) * 1e-3
     found = cfar(Covariance(20), slow, 0.02)
     assert found.coloured
-    assert "coloured, gap" in str(found)
+    assert "coloured or changes in size, gap" in str(found)
     assert found.gap == pytest.approx(found.rest_rate - 0.02)
+
+
+def test_noise_that_changes_in_size_has_white_correlations_but_its_gap_is_printed():
+    sizes = np.random.default_rng(7).choice([0.5, 1.0, 2.0], (40, 16)).repeat(500, axis=0)
+    noise = 0.01 * np.random.default_rng(8).standard_normal((20_000, 16))
+    assert not measure_rest(np.diff(sizes * noise, axis=0)).coloured
+    found = cfar(Covariance(20), 1.0 + sizes * noise, 0.001)
+    assert found.rest_low > found.high
+    assert found.coloured
+    assert "changes in size, gap" in str(found)
+    assert not cfar(Covariance(20), 1.0 + noise, 0.001).coloured
 
 
 def test_noise_shared_by_the_taxels_is_coloured_too():
