@@ -20,6 +20,12 @@ from leaderboard.names import CLASSIFIERS, DETECTORS, METHODS, MODALITIES, SPLIT
 from leaderboard.svg import Scale
 from leaderboard.views import FLAG, microseconds, number, span
 
+SPEED_CAPTION = (
+    "Lower left is better. Time is the method alone, a sample on one thread, on a logarithmic axis, where not said "
+    "otherwise; whiskers are 95 % intervals; panels of a row share their error axis. The line is the Pareto front of "
+    "the figures as they stand. A hollow mark is surely dominated: another method is faster, and its error is lower "
+    "where intervals of the difference separate, all pairs together."
+)
 ALL_FEEDS = "all feeds, features included"
 OWN_STYLE = 7
 """Colour and shape of methods that the board does not know."""
@@ -81,10 +87,7 @@ def speed_figure(speed: pd.DataFrame, name: str, better: Better = frozenset()) -
     return Figure(
         id=f"speed-{name}",
         title="Error against speed",
-        caption="Lower left is better. Time is the method alone, a sample on one thread, on a logarithmic axis, where "
-        "not said otherwise; whiskers are 95 % intervals; panels of a row share their error axis. The line is the "
-        "Pareto front of the figures as they stand. A hollow mark is surely dominated: another method is faster, and its "
-        f"error is lower where intervals of the difference separate, all pairs together.{beside} A mark opens its record.",
+        caption=f"{SPEED_CAPTION}{beside} A mark opens its record.",
         strips=tuple(strips),
         legend=legend(row["method"] for row in rows),
     )
