@@ -19,7 +19,7 @@ Scores = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Judged:
-    """Scores of each sample, (width,) or (T,), or a reason why there are none; doubts that do not void them."""
+    """Scores of each sample, (1, width) or (T, 1), or a reason why there are none; doubts that do not void them."""
 
     scores: list[Scores]
     reason: str = ""

@@ -98,7 +98,7 @@ GIVEN = np.float32([[0, 1], [2, 3], [4, 5]])
 def test_equal_scores_raise_no_doubt_and_come_by_sample():
     judged = judge(answer(GIVEN, GIVEN[[2, 0]], GIVEN[[1]]), JOB, None)
     assert (judged.reason, judged.doubts) == ("", ())
-    np.testing.assert_array_equal(np.stack(judged.scores), GIVEN)
+    np.testing.assert_array_equal(np.concatenate(judged.scores), GIVEN)
 
 
 def test_scores_that_change_are_doubted_by_what_changed_them():
