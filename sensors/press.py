@@ -83,10 +83,23 @@ def presented_gap(
     The object stands on a pedestal smaller than itself, so that the skin meets the object and no table.
     """
     x_m, y_m, angle = pose[0] * 1e-3, pose[1] * 1e-3, np.deg2rad(pose[2])
-    height = objects.place(name, unit.grid.n, unit.grid.size_m, x_m, y_m, angle)
+    return gap_under(objects.place(name, unit.grid.n, unit.grid.size_m, x_m, y_m, angle), unit, (x_m, y_m), specimen_m)
+
+
+def gap_under(
+    height: NDArray[np.floating], unit: FVSightUnit, centre_m: tuple[float, float], specimen_m: float
+) -> NDArray[np.float32]:
+    """Gap (n, n) in metres between the flat skin and any `height` (n, n; metres above the table) at first touch.
+
+    Parts beyond the disc of diameter `specimen_m` about `centre_m` are cut away, as is the table: inf there.
+    ValueError where nothing is left.
+    """
+    x_m, y_m = centre_m
     axis = unit.grid.axis()
     inside = (axis[None, :] - x_m) ** 2 + (axis[:, None] - y_m) ** 2 <= (specimen_m / 2) ** 2
     there = inside & (height > _AIR_M)
+    if not there.any():
+        raise ValueError(f"a press needs something under the sensor, found nothing higher than {_AIR_M * 1e3:g} mm")
     top = height[there].max()
     return np.where(there & (top - height < _DEEPEST_M), top - height, NO_SURFACE).astype(np.float32)
 

@@ -5,6 +5,7 @@ needs when it runs: the door itself stays light.
 """
 
 from vtbench.commands import (
+    backbones,
     board,
     bring,
     calibrate_taxels,
@@ -22,6 +23,7 @@ from vtbench.commands import (
     slip_cost,
     submissions,
     time,
+    train_backbone,
 )
 
 MODULES = (
@@ -41,5 +43,7 @@ MODULES = (
     frame_cost,
     slip_cost,
     time,
+    backbones,
+    train_backbone,
     env,
 )

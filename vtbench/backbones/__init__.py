@@ -1,0 +1,1 @@
+"""Backbones side by side: what a frame costs, what a run scored, and the two in one picture."""

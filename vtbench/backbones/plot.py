@@ -1,0 +1,78 @@
+"""Error against speed: one panel a protocol, one mark a backbone and method."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from vtbench.backbones.scores import Score
+
+_COLOURS = ("#b3462f", "#2b6a8f", "#3f8f5f", "#8a6bb0", "#a98a2e")
+_MARKS = "osD^vP"
+_LEAST_ERROR = 0.1
+"""Percent; errors below it stand on this line of the logarithmic axis."""
+
+
+def draw_error_against_speed(path: Path, found: Sequence[Score], ms_of: Mapping[str, float]) -> Path:
+    """Draw error (%, logarithmic, with its interval) against milliseconds of a frame, `ms_of` by backbone; `path` back.
+
+    The time of a mark is backbone plus classifier. ValueError where there is no score.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    protocols = list(dict.fromkeys(score.protocol for score in found))
+    if not protocols:
+        raise ValueError("expected scores of cells that are fed frames, found none")
+    backbones = sorted({score.backbone for score in found})
+    methods = sorted({score.method for score in found})
+    columns = min(4, len(protocols))
+    rows = -(-len(protocols) // columns)
+    figure = Figure(figsize=(3.4 * columns, 3.1 * rows + 0.7), facecolor="white")
+    FigureCanvasAgg(figure)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    for axes in grid.flat[len(protocols) :]:
+        axes.set_axis_off()
+    for axes, protocol in zip(grid.flat, protocols, strict=False):
+        for score in (s for s in found if s.protocol == protocol):
+            colour = _COLOURS[backbones.index(score.backbone) % len(_COLOURS)]
+            mark = _MARKS[methods.index(score.method) % len(_MARKS)]
+            at = ms_of[score.backbone] + (score.predict_us or 0.0) / 1e3
+            error, low, high = _errors(score)
+            axes.plot([at, at], [low, high], color=colour, linewidth=1, alpha=0.6)
+            axes.plot([at], [error], mark, color=colour, markersize=6, markeredgecolor="white", markeredgewidth=0.6)
+        task, variant, split, modality = protocol
+        axes.set_title(f"{task}, {variant}\n{split}, {modality}", fontsize=8.5)
+        axes.set(xscale="log", yscale="log", ylim=(_LEAST_ERROR * 0.8, 130))
+        axes.grid(alpha=0.25, linewidth=0.5, which="both")
+    for axes in grid[-1]:
+        axes.set_xlabel("CPU ms a frame, one thread")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("error, %")
+    _legend(figure, backbones, methods)
+    figure.tight_layout(rect=(0, 0, 1, 1 - 0.45 / figure.get_figheight()))
+    figure.savefig(path, dpi=130)
+    return path
+
+
+def _errors(score: Score) -> tuple[float, float, float]:
+    """Error and its interval in percent, no lower than the axis."""
+    high = score.value if score.high is None else score.high
+    low = score.value if score.low is None else score.low
+    error, best, worst = (max(_LEAST_ERROR, 100 * (1 - value)) for value in (score.value, high, low))
+    return error, best, worst
+
+
+def _legend(figure: object, backbones: Sequence[str], methods: Sequence[str]) -> None:
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    assert isinstance(figure, Figure)
+    handles = [
+        *(Line2D([], [], color=_COLOURS[i % len(_COLOURS)], linewidth=4, label=n) for i, n in enumerate(backbones)),
+        *(
+            Line2D([], [], color="0.4", marker=_MARKS[i % len(_MARKS)], linestyle="", label=n)
+            for i, n in enumerate(methods)
+        ),
+    ]
+    figure.legend(handles=handles, loc="upper center", ncols=len(handles), frameon=False, fontsize=9)
