@@ -55,7 +55,12 @@ def every_line(
 ) -> list[str]:
     """Every problem of a `ValidationError`, one line each, by line and key; for checkers that list them all."""
     found: dict[KeyPath, str] = {}
-    for problem in error.errors(include_url=False):
+    problems = error.errors(include_url=False)
+    for problem in problems:
+        depth = len(problem["loc"])
+        inner = any(len(each["loc"]) > depth and each["loc"][:depth] == problem["loc"] for each in problems)
+        if problem["type"] == "too_short" and inner:
+            continue  # an item that is refused also leaves its list too short
         at = _in_data(problem["loc"], data)
         line = _nearest_line(at, lines or {})
         where = f"line {line}" if line else ""

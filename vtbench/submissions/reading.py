@@ -45,7 +45,7 @@ def understand(data: Mapping[str, Any], lines: Mapping[KeyPath, int]) -> tuple[S
 
 def _field(line: str) -> Problem:
     safe = "".join(letter if letter.isprintable() else "?" for letter in line)[:400]
-    if "expected plain text" in safe:
+    if "expected plain text" in safe or "expected some text" in safe:
         return Problem("S003", safe, "write it as plain text")
     if "expected an address" in safe:
         return Problem("S004", safe, "give the whole address or leave it out")
