@@ -31,7 +31,7 @@ class Settings:
 
     seed: int = 0
     images: int = 4500
-    epochs: int = 12
+    epochs: int = 8
     device: str = "cpu"
     threads: int = 1
     jobs: int = 1
@@ -82,11 +82,6 @@ def train_backbone(
         report=_report if progress else lambda epoch, loss, found: None,
     )
     ours = fitted.evidence
-    rows = [("vt-vgg", ours), *_beside(validation)]
-    if compare:
-        for other in (Objective(shapes=0.0), Objective(maps=0.0, shapes=1.0), Objective(pooling="mean")):
-            tried = fit(presses, validation, other, epochs=settings.epochs, seed=settings.seed, device=settings.device)
-            rows.append((_name(other), tried.evidence))
     digest = data_sha256(presses)
     story = {
         "name": "vt-vgg",
@@ -106,6 +101,11 @@ def train_backbone(
         "torch": str(torch.__version__),
     }
     size = write_model(path, fitted.weights, story)
+    rows = [("vt-vgg", ours), *_beside(validation)]
+    if compare:
+        for other in (Objective(shapes=0.0), Objective(maps=0.0, shapes=1.0), Objective(pooling="mean")):
+            tried = fit(presses, validation, other, epochs=settings.epochs, seed=settings.seed, device=settings.device)
+            rows.append((_name(other), tried.evidence))
     return Trained(
         size,
         sha256_of(path),
