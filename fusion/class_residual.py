@@ -58,19 +58,24 @@ def _add_residuals(
     has_atom: NDArray[np.bool_],
 ) -> None:
     n_queries, width = indices.shape
+    stored = len(gram.stored) > 0
+    classes = np.empty(width, dtype=np.int64)
     for q in range(n_queries):
         for place in range(width):
             atom = indices[q, place]
+            classes[place] = atom_class[atom] if atom >= 0 else -1
+        for place in range(width):
+            atom, mine = indices[q, place], classes[place]
             if atom < 0:
                 continue
-            mine = atom_class[atom]
             has_atom[q, mine] = True
             for m in range(len(weights)):
                 inner = -2.0 * kernels[m, q, atom]
                 for other in range(width):
-                    partner = indices[q, other]
-                    if partner >= 0 and atom_class[partner] == mine:
-                        inner += coefs[m, q, other] * gram_value(gram, m, atom, partner)
+                    if classes[other] == mine:
+                        partner = indices[q, other]
+                        value = gram.stored[m, atom, partner] if stored else gram_value(gram, m, atom, partner)
+                        inner += coefs[m, q, other] * value
                 residual[q, mine] += weights[m] * coefs[m, q, place] * inner
 
 
