@@ -188,7 +188,22 @@ def suite_problems(suite: Suite) -> list[str]:
             problems += [f"dataset {spec.id}: {problem}" for problem in _problems(load_scene, spec.scene, spec.set)]
     for name, own in suite.methods.items():
         problems += [f"method {name}: {problem}" for problem in _problems(_build_once, name, own)]
-    return problems
+    return [*problems, *_wrong_feeds(suite)]
+
+
+def _wrong_feeds(suite: Suite) -> Iterator[str]:
+    """Nets that an entry feeds with what has no shape to learn from."""
+    from vtbench.run.methods import METHODS
+    from vtbench.tasks import TASKS
+
+    for entry in suite.entries:
+        task = TASKS.get(entry.task)
+        nets = [name for name in entry.methods if name in METHODS and METHODS.get(name).shaped]
+        shaped = [name for name, feed in task.modalities.items() if feed.shaped]
+        for modality in entry.modalities or (() if nets and shaped else task.modalities):
+            if nets and not task.feed(modality).shaped:
+                instead = f"use {' or '.join(shaped)}, in an entry of its own" if shaped else "the task has none"
+                yield f"method {nets[0]} learns from pixels and force histories, not from {modality!r}; {instead}"
 
 
 def _build_once(name: str, own: OwnMethod) -> None:

@@ -124,7 +124,8 @@ def _grid(
     if protocol.laws:
         feeds = [(name, "law", chosen) for name in protocol.laws]
     else:
-        feeds = [(name, "method", chosen) for name in entry.modalities or task.modalities]
+        usual = [name for name, feed in task.modalities.items() if not feed.by_name]
+        feeds = [(name, "method", chosen) for name in entry.modalities or usual]
         feeds += [(name, "probe", entry.beside(entry.probes)) for name in task.probes]
         feeds += [(name, "upper-line", entry.beside(entry.upper_lines)) for name in task.upper_lines]
     for split in protocol.splits:
@@ -132,7 +133,8 @@ def _grid(
             continue
         for name, role, ids in feeds:
             for method in (known[method_id] for method_id in ids):
-                if len(task.feed(name).blocks) > 1 or not method.joint:
+                feed = task.feed(name)
+                if method.takes(feed) if isinstance(method, Method) else len(feed.blocks) > 1 or not method.joint:
                     yield split, name, role, method
 
 
@@ -153,7 +155,8 @@ def _params(
     if sizes:
         params["sizes"] = sizes
     if len(feed.blocks) > 1:
-        params["weights"] = [list(pair) for pair in WEIGHT_CHOICES] if feed.weights == "chosen" else "equal"
+        chosen = feed.weights == "chosen" and not (isinstance(method, Method) and method.learns)
+        params["weights"] = [list(pair) for pair in WEIGHT_CHOICES] if chosen else "equal"
     if any(block.from_frames for block in feed.blocks):
         params.update(backbone)
     if role == "law":

@@ -169,7 +169,7 @@ def _params(method: Method, feed: Feed, best: Setting) -> list[Setting]:
 
 
 def _weights(method: Method, feed: Feed, best: Setting) -> list[Setting]:
-    if feed.weights == "equal":
+    if feed.weights == "equal" or method.learns:
         return [best]
     first, *others = [block.name for block in feed.blocks]
     return [replace(best, weights={first: a, **dict.fromkeys(others, b)}) for a, b in WEIGHT_CHOICES]

@@ -78,12 +78,11 @@ def evaluate(work: Work) -> Outcome:
         if work.feed.shuffle_labels:
             known = np.random.default_rng([work.seed, number]).permutation(known)
         inner = work.split.inner_groups
-        setting = choose(
-            work.method, work.feed, reducer, fold.train, known, None if inner is None else inner[fold.train], work.seed
-        )
+        apart = None if inner is None else inner[fold.train]
+        setting = choose(work.method, work.feed, reducer, fold.train, known, apart, work.seed)
         made = prepare(work.method, work.feed, reducer, setting, fold.train, fold.test)
         start = time.perf_counter()
-        made.classifier.fit(made.train, known)
+        made.classifier.fit(made.train, known, **({"groups": apart} if work.method.learns else {}))
         fitted = time.perf_counter()
         predicted = _labels(made.classifier.predict(made.test), len(fold.test), work.n_classes)
         done = time.perf_counter()

@@ -37,12 +37,15 @@ class Block:
         components: choices for the number of principal components, smallest first; empty keeps the columns.
         leading: choices for the number of leading columns kept, smallest first; empty keeps all.
         from_frames: made by a backbone, so that a result depends on which.
+        shape: how the columns fold, for a net: (channels, rows, columns) of pixels, (steps, channels) of a series;
+            -1 stands for what is left. None where they are plain numbers.
     """
 
     name: str
     components: tuple[int, ...] = ()
     leading: tuple[int, ...] = ()
     from_frames: bool = False
+    shape: tuple[int, ...] | None = None
 
     @property
     def sizes(self) -> tuple[int, ...]:
@@ -59,12 +62,19 @@ class Feed:
         weights: blocks weighed all alike, or with weights chosen on training folds.
         shuffle_labels: train on permuted labels.
         needs_truth: ground-truth field that the dataset must hold.
+        by_name: run only where a suite names it.
     """
 
     blocks: tuple[Block, ...]
     weights: Literal["equal", "chosen"] = "equal"
     shuffle_labels: bool = False
     needs_truth: str | None = None
+    by_name: bool = False
+
+    @property
+    def shaped(self) -> bool:
+        """Whether every block says how its columns fold, as nets need."""
+        return all(block.shape is not None for block in self.blocks)
 
 
 @dataclass(eq=False)

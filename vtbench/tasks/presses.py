@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vtbench.tasks.base import Block, Factor, FeatureCache, Features, Feed, TaskData, Variant
+from vtbench.tasks.base import Block, Factor, FeatureCache, Features, Feed, NotPossibleError, TaskData, Variant
 from vtbench.tasks.splits import held_out, random_draws
 
 if TYPE_CHECKING:
@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 FRAME = Block("image", components=(16, 32, 64), from_frames=True)
 CHANGE = Block("image-change", components=FRAME.components, from_frames=True)
 FORCE = Block("force")
+STEPS = 32
+"""Of the force series of a press, from its first sample to its last, whatever its length and rate."""
+PIXELS = Block("pixels", shape=(3, 32, 32))
+PIXELS_CHANGE = Block("pixels-change", shape=PIXELS.shape)
+SERIES = Block("force-series", shape=(STEPS, -1))
+_PIXELS_OF = {PIXELS.name: "image", PIXELS_CHANGE.name: "image-change"}
 TRUTH_SIDE = 32
 """Side to which a ground-truth grid is averaged; finer than the 20 mm pitch of a taxel by far."""
 
@@ -29,6 +35,10 @@ MODALITIES = {
     "fused": Feed((FRAME, FORCE), weights="chosen"),
     "fused-equal": Feed((FRAME, FORCE)),
     "fused-change": Feed((CHANGE, FORCE), weights="chosen"),
+    "pixels-change": Feed((PIXELS_CHANGE,), by_name=True),
+    "force-series": Feed((SERIES,), by_name=True),
+    "fused-pixels": Feed((PIXELS, SERIES), weights="chosen", by_name=True),
+    "fused-pixels-change": Feed((PIXELS_CHANGE, SERIES), weights="chosen", by_name=True),
 }
 PROBES = {
     "load-centroid": Feed((Block("load-centroid"),)),
@@ -100,11 +110,16 @@ def load_presses(path: Path, features: FeatureCache, backbone: str, *, press: Li
 
     frames = ["image", *(["image-change", "rest-frame"] if "image_rest" in dataset.meta.columns else [])]
 
+    def made_by(block: str) -> tuple[str, str]:
+        """Which frames a block is made of, and by which network."""
+        return (_PIXELS_OF[block], "pixels") if block in _PIXELS_OF else (block, backbone)
+
     def identity(block: str) -> dict[str, str]:
-        return {"dataset": dataset.hash, "frames": block, **backbone_identity(backbone)}
+        shown, network = made_by(block)
+        return {"dataset": dataset.hash, "frames": shown, **backbone_identity(network)}
 
     def frame_block(block: str) -> Features:
-        return features.cached(identity(block), dataset.n, partial(frame_features, path, block, backbone))
+        return features.cached(identity(block), dataset.n, partial(frame_features, path, *made_by(block)))
 
     def feature_us(block: str) -> float | None:
         return features.us_per_sample(identity(block)) if block in frames else None
@@ -114,7 +129,10 @@ def load_presses(path: Path, features: FeatureCache, backbone: str, *, press: Li
         "load-centroid": lambda: load_centroid(dataset.force()),
         "total-force": lambda: dataset.force().sum(1, keepdims=True),
     }
+    frames += [block for block, shown in _PIXELS_OF.items() if shown in frames]
     sources |= {block: partial(frame_block, block) for block in frames}
+    if "force_series" in dataset.meta.columns:
+        sources[SERIES.name] = lambda: in_steps(dataset.force_series(), STEPS)
     if "displacement" in dataset.meta.truth:
         sources["true-displacement"] = lambda: averaged(dataset.truth("displacement"), TRUTH_SIDE)
     data = TaskData(
@@ -177,6 +195,27 @@ def load_centroid(force: Features) -> Features:
     load[load.sum(1) == 0] = 1.0
     centroid: Features = ((load @ np.stack([x, y], 1)) / load.sum(1, keepdims=True)).astype(np.float32)
     return centroid
+
+
+def in_steps(series: Sequence[NDArray[np.floating]], steps: int) -> Features:
+    """Force histories, each (T, taxels), as rows (n, steps * taxels): the mean over each of `steps` equal parts.
+
+    A part that begins or ends within a sample takes its share of it, so that no sample counts more than another. The
+    mean is the filter against aliasing: a box as wide as a step, with zeros at every multiple of the step rate.
+
+    Raises:
+        NotPossibleError: a history without a sample.
+    """
+    if not all(len(each) for each in series):
+        raise NotPossibleError("a press has no force history")
+    rows = []
+    for each in series:
+        total = np.vstack([np.zeros(each.shape[1]), np.cumsum(each, axis=0, dtype=np.float64)])
+        edges = np.linspace(0, len(each), steps + 1)
+        whole = np.minimum(edges.astype(np.int64), len(each) - 1)
+        upto = total[whole] + (edges - whole)[:, None] * (total[whole + 1] - total[whole])
+        rows.append((np.diff(upto, axis=0) * (steps / len(each))).ravel())
+    return np.array(rows, np.float32)
 
 
 def averaged(grids: NDArray[np.generic], side: int) -> Features:

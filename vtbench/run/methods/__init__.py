@@ -1,7 +1,7 @@
 """Methods by id. A new one is a `Method` in a file here and a line below."""
 
 from vtbench.registry import Registry
-from vtbench.run.methods import fabric, neighbors, sparse, svm
+from vtbench.run.methods import fabric, neighbors, neural, sparse, svm
 from vtbench.run.methods.base import Classifier, Method
 
 METHODS: Registry[Method] = Registry("method", see="vtbench list methods")
@@ -14,6 +14,8 @@ for _method in (
     neighbors.WEIGHTED,
     svm.SVM,
     fabric.INCREMENTAL,
+    neural.LATE_FUSION,
+    neural.TRANSFORMER,
 ):
     METHODS.register(_method.id)(_method)
 

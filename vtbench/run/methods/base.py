@@ -9,6 +9,8 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from vtbench.tasks.base import Feed
+
 Groups = Mapping[str, slice]
 Params = Mapping[str, Any]
 
@@ -36,6 +38,8 @@ class Method:
         weighs_groups: takes the weights itself instead of finding them in the scale of the columns.
         preprocess: `scaled`: each modality standardised, reduced and brought to mean squared norm 1;
             `none`: columns as they come, for a method that brings its own.
+        shaped: takes only feeds whose every block says how its columns fold.
+        learns: finds weights and stopping point itself: none are tried, and `fit` takes the inner groups as `groups`.
         source: what else decides its results (parameters, checksum of the code), part of a record's key.
     """
 
@@ -46,7 +50,13 @@ class Method:
     joint: bool = False
     weighs_groups: bool = False
     preprocess: Literal["scaled", "none"] = "scaled"
+    shaped: bool = False
+    learns: bool = False
     source: Mapping[str, Any] = field(default_factory=dict)
+
+    def takes(self, feed: Feed) -> bool:
+        """Whether a feed is one for this method."""
+        return (len(feed.blocks) > 1 or not self.joint) and (feed.shaped or not self.shaped)
 
     def identity(self) -> dict[str, Any]:
         """JSON values that decide the method's results."""
