@@ -9,7 +9,7 @@ import pandas as pd
 
 from leaderboard.names import METHODS, MODALITIES, SPLITS, order, title
 from leaderboard.record import Record
-from leaderboard.slips import BASELINE, MISSED_MS, SUPPORTED, is_slip, metric, parse, rates
+from leaderboard.slips import BASELINE, MISSED_MS, SUPPORTED, is_slip, levels, metric, parse, rates
 
 PAPERS_DETECTOR = "covariance"
 BOTH_MISS = "both miss most slips"
@@ -95,9 +95,32 @@ def verdicts(block: SlipBlock) -> list[str]:
                 rule = title(MODALITIES, record.identity.modality)
                 sentences.append(
                     f"{block.task}, {block.variant}, {title(SPLITS, split)}, {rule}: "
-                    f"the covariance detector against the energy baseline: {said}."
+                    f"the covariance detector against the energy baseline: {said}.{_by_kind(record)}"
                 )
     return sentences
+
+
+def _by_kind(record: Record) -> str:
+    """A second sentence where single kinds of disturbance tell the two apart."""
+    rate = max(rates([record]))
+    parts = []
+    for judged, said in (("later", "it loses to energy beside"), ("earlier", "it alarms earlier beside")):
+        kinds = levels([record], "delay_minus_energy_ms", "negatives")
+        mine = [kind for kind in kinds if compared(record, rate, "negatives", kind) == judged]
+        if mine:
+            named = ", ".join(f"{kind.replace('_', ' ')} {_ends(record, rate, kind)}" for kind in mine)
+            parts.append(f"{said} {named}")
+    if not parts:
+        return ""
+    return f" With one kind of disturbance at a time, at {rate:g} a minute, {'; '.join(parts)}."
+
+
+def _ends(record: Record, rate: float, kind: str) -> str:
+    difference = metric(record, "delay_minus_energy_ms", rate, "negatives", kind)
+    assert difference is not None
+    assert difference.low is not None
+    assert difference.high is not None
+    return f"({signed(difference.low)} to {signed(difference.high)} ms)"
 
 
 def compared(record: Record, rate: float, factor: str = "", value: str = "") -> str:

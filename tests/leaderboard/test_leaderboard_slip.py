@@ -88,6 +88,47 @@ def test_the_verdict_is_the_paired_interval_of_the_delays_whatever_the_area(slip
     assert "area" not in sentence
 
 
+def test_where_one_kind_of_disturbance_tells_them_apart_the_verdict_says_it(slip_record):
+    record = slip_record()
+    by_kind = [
+        ms("delay_minus_energy_ms@10[negatives=load_change]", 40.0, 12.0, MISSED_MS),
+        ms("delay_ms@10[negatives=load_change]", 90.0, 80.0, MISSED_MS),
+        ms("delay_minus_energy_ms@10[negatives=drift]", 4.0, -12.0, 15.0),
+        ms("delay_ms@10[negatives=drift]", 90.0, 80.0, 99.0),
+    ]
+    (sentence,) = verdicts(block(record.model_copy(update={"metrics": (*record.metrics, *by_kind)})))
+    assert "it loses to energy beside load change (+12 to +∞ ms)" in sentence
+    assert "drift" not in sentence
+
+
+def test_hard_negatives_stand_beside_the_slips_found_of_each_object(slip_record):
+    called = (share("called[kind=tapping]", 20), share("called[kind=drift]", 5))
+    record = slip_record(task="slip/hard/v1", variant="hard")
+    record = record.model_copy(update={"metrics": record.metrics + called})
+    (view,) = [view for view in slip_views(block(record)) if "hard negatives" in view.title]
+    heads = [column.title for column in view.columns]
+    assert heads[2:6] == ["Ball: found", "Cuboid: found", "Cylinder: found", "All slips found"]
+    assert heads[-2:] == ["Tapping, %", "Drift, %"]
+    (row,) = view.rows
+    assert [cell.text for cell in row[2:6]] == ["19/20", "19/20", "19/20", "57/60"]
+    assert [cell.text for cell in row[-2:]] == ["100.0", "25.0"]
+
+
+@pytest.mark.parametrize(("measured", "tone"), [((0.02, 0.01, 0.03), "bad"), ((0.0012, 0.0008, 0.002), "")])
+def test_what_cfar_was_asked_stands_beside_what_was_measured(slip_record, measured, tone):
+    def rate(name, value, low, high):
+        return Metric(name=name, value=value, direction="lower", n=3, groups=3, low=low, high=high)
+
+    rates = (rate("asked_rate", 0.001, 0.0009, 0.0011), rate("rest_rate", *measured), amount("coloured", 1.0))
+    record = slip_record(modality="cfar")
+    record = record.model_copy(update={"metrics": record.metrics + rates})
+    (view,) = [view for view in slip_views(block(record)) if view.title.startswith("cfar")]
+    (row,) = view.rows
+    assert row[3].tone == tone
+    assert row[4].text == f"{1e3 * (measured[0] - 0.001):+,.2f}"
+    assert not any(view.title.startswith("cfar") for view in slip_views(block(slip_record())))
+
+
 def test_two_that_miss_most_slips_are_not_called_equal(slip_record):
     record = slip_record(difference=(0.0, 0.0, 0.0), delay=MISSED_MS)
     assert "both miss most slips" in verdicts(block(record))[0]
