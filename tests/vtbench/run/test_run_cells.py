@@ -28,6 +28,7 @@ BASE = {
             "splits": ["random"],
             "modalities": ["force", "image", "fused"],
             "methods": ["knn", "mine"],
+            "probes": False,
         }
     ],
 }
@@ -133,6 +134,14 @@ def test_a_joint_method_is_fed_two_modalities_or_none():
     assert got == {"fused"}
 
 
+def test_an_entry_that_says_nothing_of_probes_has_them_all():
+    task = TASKS.get("objects/deep/v1")
+    said = {name: value for name, value in BASE["entries"][0].items() if name != "probes"}
+    suite = Suite.model_validate({**BASE, "entries": [said]})
+    got = [c.identity for c in plan(suite, Everywhere(), BACKBONE, own_methods(suite)) if c.identity.role == "probe"]
+    assert {(who.modality, who.method) for who in got} == {(p, m) for p in task.probes for m in ("knn", "mine")}
+
+
 def test_probes_and_upper_lines_stand_beside_with_their_roles():
     task = TASKS.get("objects/deep/v1")
     got = cells(entry={"probes": ["knn"], "upper_lines": True})
@@ -196,3 +205,21 @@ def test_two_backbones_on_the_same_presses_share_no_reductions():
         (work,), _ = works_of([cell], data)
         names.add(work.samples)
     assert len(names) == 2
+
+
+def test_an_entry_may_bring_its_own_backbone():
+    entry = BASE["entries"][0]
+    both = cells({"more": [{**entry, "backbone": "pixels"}]})
+    by_modality = {m: {c.backbone for c in both if c.identity.modality == m} for m in ("force", "image", "fused")}
+    assert by_modality["image"] == by_modality["fused"] == {"efficientnet-lite0", "pixels"}
+    assert by_modality["force"] == {"efficientnet-lite0"}
+    own = {c.key for c in cells(entry={"backbone": "pixels"}) if c.identity.modality != "force"}
+    whole = {c.key for c in cells({"backbone": "pixels"}, backbone=backbone_identity("pixels"))}
+    assert own <= whole
+    assert own <= {c.key for c in both if c.backbone == "pixels"}
+    assert len([key for key, _ in groupby(both, key=lambda c: c.group)]) == 2
+
+
+def test_an_entry_with_an_unknown_backbone_is_refused():
+    with pytest.raises(ValueError, match="unknown backbone 'pixel'; did you mean 'pixels'"):
+        cells(entry={"backbone": "pixel"})
