@@ -9,17 +9,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    field_validator,
+    model_serializer,
+)
 
 from sensors.contact.grid import Grid
 from sensors.contact.layer import LayerCompliance, LayerMaterial
 from sensors.contact.skin import SkinCompliance, SkinMaterial, sine_basis
 from sensors.contact.solver import ContactSolution, solve_load
-from sensors.electronics.piezoresistive import PiezoresistiveChain
+from sensors.electronics.piezoresistive import PRESETS, PiezoresistiveChain, Preset
+from sensors.electronics.scanning import Scanning
 from sensors.optics.camera import Camera, CameraParameters, View
 from sensors.optics.canvas import Canvas
 from sensors.optics.lights import LedRing
@@ -28,6 +36,7 @@ TAXELS_PER_SIDE = 4
 FORCE_RATE_HZ = 1000.0
 FRAME_TOLERANCE = 3e-4
 """Of the contact solve; over the 27 objects it moves no pixel by 0.1 grey levels, no taxel by 0.01 N: below noise."""
+_VARIANTS = ("taxels", "scanning", "dead_taxels")
 _UNIT_ENTROPY = 0x5F5349
 """A unit is the same physical sensor in every run: its traits depend on its number alone."""
 
@@ -64,9 +73,29 @@ class FVSightParameters(BaseModel):
     led_azimuth_spread_deg: float = Field(3.0, ge=0)
     camera_offset_mm: float = Field(0.5, ge=0, description="between units, each axis")
     own_cloth: bool = Field(True, description="each unit has threads of its own")
+    taxels: Preset = Field("fvsight", description="velostat: a bare sheet that creeps, overshoots and varies by press")
+    scanning: Scanning = Field("isolated", description="what the rows that are not read do: ghosts where they float")
+    dead_taxels: tuple[int, ...] = Field((), description="open circuits, by number from 0, row by row")
     session_gain_drift: float = Field(0.01, ge=0, description="between sessions, per taxel, relative force")
     session_offset_n: float = Field(0.02, ge=0, description="between sessions, per taxel, after taring")
     session_light_drift: float = Field(0.02, ge=0, description="between sessions, per colour channel, relative")
+
+    @field_validator("dead_taxels")
+    @classmethod
+    def _taxels_exist(cls, numbers: tuple[int, ...]) -> tuple[int, ...]:
+        if any(not 0 <= number < TAXELS_PER_SIDE**2 for number in numbers):
+            raise ValueError(f"dead_taxels must lie in 0..{TAXELS_PER_SIDE**2 - 1}, got {list(numbers)}")
+        return numbers
+
+    @model_serializer(mode="wrap")
+    def _name_what_is_set(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Variants of the array appear where they are used, so that datasets without them keep their hashes."""
+        fields = type(self).model_fields
+        return {
+            name: value
+            for name, value in dump(self).items()
+            if name not in _VARIANTS or getattr(self, name) != fields[name].default
+        }
 
     @property
     def skin(self) -> SkinMaterial:
@@ -134,8 +163,15 @@ class FVSightUnit:
     @cached_property
     def chain(self) -> PiezoresistiveChain:
         """The electronics of the array."""
-        chain = PiezoresistiveChain(noise_v=self.parameters.force_noise_mv * 1e-3)
-        return chain if self.parameters.hysteresis else replace(chain, hysteresis=None)
+        p = self.parameters
+        chain = replace(PRESETS[p.taxels], noise_v=p.force_noise_mv * 1e-3, scanning=p.scanning, rows=TAXELS_PER_SIDE)
+        return chain if p.hysteresis else replace(chain, hysteresis=None)
+
+    @cached_property
+    def dead(self) -> NDArray[np.bool_] | None:
+        """Which taxels (16,) are open circuits; None where all of them work."""
+        numbers = list(self.parameters.dead_taxels)
+        return np.isin(np.arange(TAXELS_PER_SIDE**2), numbers) if numbers else None
 
     def _tile_sums(self) -> NDArray[np.float32]:
         """(4, n) matrix that sums the cells of each taxel along one axis."""
@@ -211,7 +247,7 @@ class FVSightUnit:
 
     def read(self, load: NDArray[np.float64], session: Session, rng: np.random.Generator | None) -> NDArray[np.float32]:
         """Read-back forces (T, 16) in newtons for true taxel loads (T, 16)."""
-        reading = self.chain.read(load, rng, self.taxel_gain)
+        reading = self.chain.read(load, rng, self.taxel_gain, self.dead)
         return (reading * session.gain + session.offset_n).astype(np.float32)
 
     def frame(

@@ -1,0 +1,44 @@
+"""Variants of FVSight's array: a bare sheet, floating rows, dead taxels; without them nothing changes."""
+
+import numpy as np
+import pytest
+
+from sensors.fvsight import FVSightParameters, FVSightUnit
+from sensors.scene import PressScene
+
+HELD = np.tile(np.where(np.isin(np.arange(16), (0, 3, 12)), 8.0, 0.0), (1500, 1))
+
+
+def read(**change):
+    unit = FVSightUnit(FVSightParameters(grid=16, force_noise_mv=0.0, **change), 0)
+    return unit.read(HELD, unit.session(None), np.random.default_rng(0))
+
+
+def test_a_bare_sheet_creeps_and_the_films_array_does_not():
+    grown = [series[1400, 0] / series[0, 0] for series in (read(taxels="velostat"), read())]
+    assert grown[0] > 1.1
+    assert grown[1] == pytest.approx(1, abs=1e-3)
+
+
+def test_floating_rows_raise_the_fourth_corner_and_grounded_ones_do_not():
+    assert read(scanning="floating")[-1, 15] > 1
+    assert read(scanning="grounded_rows")[-1, 15] == pytest.approx(0, abs=0.05)
+    assert read()[-1, 15] == pytest.approx(0, abs=0.05)
+
+
+def test_dead_taxels_stay_silent_and_leave_the_others_alone():
+    whole, broken = read(), read(dead_taxels=(3,))
+    assert broken[:, 3] == pytest.approx(0, abs=0.05)
+    others = np.arange(16) != 3
+    assert np.array_equal(whole[:, others], broken[:, others])
+    with pytest.raises(ValueError, match=r"dead_taxels must lie in 0\.\.15"):
+        FVSightParameters(dead_taxels=(16,))
+
+
+def test_variants_are_named_where_they_are_used_only():
+    plain, varied = FVSightParameters(), FVSightParameters(taxels="velostat", dead_taxels=(1, 2))
+    assert not {"taxels", "scanning", "dead_taxels"} & set(plain.model_dump())
+    assert varied.model_dump()["taxels"] == "velostat"
+    for parameters in (plain, varied):
+        scene = PressScene(id="x", title="x", sensor=parameters)
+        assert PressScene(**scene.model_dump(mode="json")) == scene
