@@ -50,7 +50,10 @@ def run_suite(
     if jobs < 1:
         raise ValueError(f"jobs: expected at least 1, got {jobs}")
     if device != "cpu":
-        raise ValueError(f"device: expected 'cpu', got {device!r}: backbones and classifiers of this version run there")
+        raise ValueError(
+            f"device: expected 'cpu', got {device!r}: backbones and classifiers run on the CPU on every "
+            "machine alike; `vtbench train-backbone --device cuda` trains on a GPU"
+        )
     methods = own_methods(suite)
     with claim(out, suite):
         if fresh:
