@@ -101,6 +101,6 @@ def load_detector(cell: Cell, suite: Suite, out: Path) -> Ready:
 
 def _first_fold(cell: Cell, suite: Suite, out: Path) -> tuple[TaskData, Fold]:
     cache = DiskFeatures(out / "features")
-    data = load_samples(suite, out, cell.identity.task, cell.identity.dataset, cache)
+    data = load_samples(suite, out, cell.identity.task, cell.identity.dataset, cache, cell.backbone)
     rule = cell.task.variants[cell.identity.variant].splits[cell.identity.split]
     return data, rule(data, cell.identity.seed).folds[0]
