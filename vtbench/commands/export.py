@@ -1,0 +1,193 @@
+"""`vtbench export`: a task's fitted pipeline as one ONNX file, checked against the pipeline before it is written."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tempfile
+from argparse import ArgumentTypeError, Namespace, _SubParsersAction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vtbench.commands.output import print_json, print_table, size_text
+from vtbench.commands.parser import Parser, add_command, add_jobs, add_json, one_of, whole_number
+
+if TYPE_CHECKING:
+    from vtbench.exporting import Order, Samples
+
+SCENE = "fvsight-press"
+SAMPLES = 324
+NOT_EXPORTED = 1
+COLUMNS = (
+    "modality",
+    "method",
+    "samples",
+    "ties",
+    "agreement",
+    "largest difference",
+    "ms, batch 1",
+    "ms, batch 100",
+    "size",
+)
+
+
+def add(commands: _SubParsersAction[Parser]) -> None:
+    """Declare the command."""
+    parser = add_command(
+        commands,
+        "export",
+        run,
+        help="write a fitted pipeline as one ONNX graph, checked on real samples",
+        about="Inputs by name: image, image_rest (N, height, width, 3) uint8; force (N, taxels) float32; force_series "
+        "(N, T, taxels).\nOutput: scores (N, classes) float32. Only standard operators. Choices and fit are those of a "
+        "run on the first fold\nof the split. The file is written only where its labels agree with the pipeline's on "
+        "every sample of the test part,\nties excepted; otherwise the exit code is 1. The report stands in the file's "
+        "metadata too.",
+        examples=(
+            "vtbench export objects/deep/v1 jksc --modality fused --data data/paper -o jksc.onnx",
+            "vtbench export objects/deep/v1 svm --modality image-change -o svm.onnx",
+            "vtbench export texture/fabricslide16/v1 ipca-wknn -o fabric.onnx",
+            "vtbench export objects/deep/v1 --all --data data/paper -o exported",
+        ),
+    )
+    parser.add_argument("task", metavar="TASK", help="task id (`vtbench list tasks`)")
+    parser.add_argument(
+        "method", metavar="METHOD", nargs="?", help="method id (`vtbench list methods`) or module:Class"
+    )
+    parser.add_argument("--all", action="store_true", help="every method and modality of the task, into a folder")
+    parser.add_argument("--modality", metavar="M", help="what it is fed (default: the task's first)")
+    parser.add_argument("--variant", metavar="V", help="protocol (default: the task's first)")
+    parser.add_argument("--split", metavar="S", help="split of the variant (default: its first)")
+    parser.add_argument(
+        "--fit",
+        type=one_of("part", ("train", "all")),
+        default="train",
+        help="train (default): the training part of the split's first fold; all: every sample",
+    )
+    parser.add_argument("--data", metavar="DIR", type=Path, help="folder of a dataset")
+    parser.add_argument("--scene", metavar="SCENE", help=f"simulate this scene instead (default {SCENE})")
+    parser.add_argument("--samples", metavar="N", type=whole_number(1), help=f"of the scene (default {SAMPLES})")
+    parser.add_argument("--seed", metavar="S", type=whole_number(0), default=0, help="of scene and split (default 0)")
+    parser.add_argument("--backbone", metavar="B", help="network that turns frames into features")
+    parser.add_argument("--features", metavar="DIR", type=Path, help="keep features of frames here (OUT/features)")
+    parser.add_argument("-o", "--out", metavar="FILE", type=_target, required=True, help="file, or folder with --all")
+    add_jobs(parser)
+    add_json(parser)
+
+
+def run(args: Namespace) -> int:
+    """Export one pipeline, or all; print the report."""
+    if args.all == bool(args.method):
+        raise ValueError("expected a METHOD, or --all for every one; `vtbench list methods` names them")
+    if args.data is not None and (args.scene is not None or args.samples is not None):
+        raise ValueError("expected --data, or --scene with --samples, not both")
+    if not args.all and args.out.suffix != ".onnx":
+        raise ValueError(f"-o: expected a file that ends in .onnx, got {str(args.out)!r}")
+    if not args.all and not args.out.parent.is_dir():
+        raise ValueError(f"-o: no folder {args.out.parent}; make it first")
+    with tempfile.TemporaryDirectory() as kept:
+        samples = _samples(args, Path(kept))
+        reports, problems = _export(args, samples)
+    if args.json:
+        print_json({"exported": reports, "not_exported": problems})
+    else:
+        print_table(COLUMNS, [_row(report) for report in reports])
+        for problem in problems:
+            print(f"not exported: {problem['modality']}, {problem['method']}: {problem['reason']}")
+    return NOT_EXPORTED if problems else 0
+
+
+def _export(args: Namespace, samples: Samples) -> tuple[list[dict[str, Any]], list[dict[str, str]]]:
+    from vtbench.data.files import make_folder
+    from vtbench.exporting import export
+    from vtbench.exporting.write import NotExactError
+    from vtbench.run.progress import bar
+
+    orders = _orders(args, samples)
+    if args.all:
+        make_folder(args.out)
+    reports, problems = [], []
+    with bar(len(orders), "graphs", args.all) as advance:
+        for order in orders:
+            target = args.out / f"{order.modality}-{order.method}.onnx" if args.all else args.out
+            try:
+                reports.append(export(samples, order, target))
+            except (NotExactError, ValueError) as error:
+                if not args.all and isinstance(error, ValueError):
+                    raise
+                problems.append({"modality": str(order.modality), "method": order.method, "reason": str(error)})
+            advance(1)
+    return reports, problems
+
+
+def _orders(args: Namespace, samples: Samples) -> list[Order]:
+    """What is asked for; with --all every feed of the task that is run by default, with every method that takes it."""
+    from vtbench.exporting import Order
+    from vtbench.run.methods import METHODS
+
+    task = samples.task
+    named = {"variant": args.variant, "split": args.split, "fit": args.fit, "seed": args.seed}
+    if not args.all:
+        return [Order(args.method, args.modality or next(iter(task.modalities)), **named)]
+    feeds = {
+        name: feed
+        for name, feed in task.modalities.items()
+        if name == args.modality or (args.modality is None and not getattr(feed, "by_name", False))
+    }
+    return [
+        Order(method_id, name, **named)
+        for name, feed in feeds.items()
+        for method_id, method in METHODS.items()
+        if (len(feed.blocks) > 1 or not method.joint) and not getattr(method, "shaped", False)
+    ]
+
+
+def _samples(args: Namespace, kept: Path) -> Samples:
+    from vtbench.exporting import open_samples
+    from vtbench.run.features import DiskFeatures
+    from vtbench.run.suite import DEFAULT_BACKBONE
+    from vtbench.tasks import TASKS
+
+    path = args.data
+    if path is None and TASKS.get(args.task).reads == "presses":
+        path = _simulated(args)
+    elif args.scene is not None or args.samples is not None:
+        raise ValueError(f"{args.task} takes no --scene and no --samples; leave them out")
+    cache = DiskFeatures(args.features or kept, args.jobs, progress=True)
+    return open_samples(args.task, path, args.backbone or DEFAULT_BACKBONE, cache)
+
+
+def _simulated(args: Namespace) -> Path:
+    """Folder of the simulated scene in the cache, under what decides its bytes; simulated once."""
+    from vtbench.config import load_scene
+    from vtbench.data.opening import write_scene
+    from vtbench.environment import version
+    from vtbench.paths import cache_dir
+
+    scene = load_scene(args.scene or SCENE)
+    samples = args.samples or SAMPLES
+    plan = json.dumps([scene.model_dump(mode="json"), samples, args.seed, version()], sort_keys=True)
+    name = f"{scene.id.replace('/', '-')}-{samples}-{hashlib.sha256(plan.encode()).hexdigest()[:12]}"
+    return write_scene(cache_dir() / "datasets" / name, scene, samples=samples, seed=args.seed, jobs=args.jobs)
+
+
+def _row(report: dict[str, Any]) -> list[object]:
+    parity = report["parity"]
+    return [
+        report["modality"],
+        report["method"],
+        parity["samples"],
+        parity["ties"],
+        f"{parity['agreement']:.3f}",
+        f"{parity['largest_difference']:.1e}",
+        round(parity["latency_1_ms"], 2),
+        round(parity["latency_100_ms"], 1),
+        size_text(report["bytes"]),
+    ]
+
+
+def _target(text: str) -> Path:
+    """An argument type: where to write; an empty word is a variable that is not set."""
+    if not text.strip():
+        raise ArgumentTypeError(f"expected a file, got {text!r}")
+    return Path(text)
