@@ -1,7 +1,7 @@
 """Locks that a process puts on itself before it touches somebody else's file; each says whether it held.
 
-Linux: no new privileges, a network of its own without any device, no file opened any more (Landlock), limits on
-memory, processor time, files and processes. Elsewhere only the limits. A lock that the kernel refuses is named in the
+Linux: no new privileges, a network of its own without any device, nothing written and then nothing opened (Landlock),
+limits on memory, processor time and files. Elsewhere only the limits. A lock that the kernel refuses is named in the
 record, it does not stop the evaluation.
 """
 
@@ -12,6 +12,7 @@ import errno
 import os
 import socket
 import sys
+from collections.abc import Callable
 from typing import Any
 
 HELD = "held"
@@ -20,6 +21,8 @@ _NO_NEW_PRIVS, _DUMPABLE = 38, 4
 _CREATE_RULESET, _RESTRICT_SELF = 444, 446
 _FILE_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15}
 """Number of file rights by Landlock version; 16 since the fifth."""
+_READING = 0b1101
+"""Rights to execute, to read a file and to read a folder; without the first nothing could be imported."""
 _OPEN_FILES = 32
 _CPU_GRACE_S = 5
 
@@ -29,60 +32,62 @@ class _Ruleset(ctypes.Structure):
 
 
 def isolate() -> dict[str, str]:
-    """Give up privileges and the network; only while the process has one thread, so before anything else."""
+    """Give up privileges, the network and writing; while there is one thread, so that it holds for all to come."""
     if sys.platform != "linux":
-        return dict.fromkeys(("privileges", "network"), f"not held: {sys.platform} has no such lock here")
+        return dict.fromkeys(("privileges", "network", "writing"), f"not held: {sys.platform} has no such lock here")
     kernel = ctypes.CDLL(None, use_errno=True)
     privileges = kernel.prctl(_NO_NEW_PRIVS, 1, 0, 0, 0)
     kernel.prctl(_DUMPABLE, 0, 0, 0, 0)
     found = {"privileges": HELD if privileges == 0 else _refused()}
     separated = kernel.unshare(_NEW_USER | _NEW_NET | _NEW_IPC) == 0
     found["network"] = (HELD if _no_way_out() else "not held: a route is left") if separated else _refused()
+    found["writing"] = _shut(kernel, lambda every: every & ~_READING)
     return found
 
 
 def limit(memory_mb: int, time_s: float) -> dict[str, str]:
-    """Limit memory to `memory_mb` beyond what is mapped now, processor time, files (none written), processes, cores."""
+    """Limit memory to `memory_mb` beyond what is mapped now, processor time, written files (none), open ones, cores."""
     try:
         import resource
     except ImportError:
-        return dict.fromkeys(("memory", "processor time", "writing"), "not held: no such limits on this system")
+        return dict.fromkeys(("memory", "processor time", "file size"), "not held: no such limits on this system")
     mapped = _mapped_bytes()
     cpu = int(time_s) + _CPU_GRACE_S
     limits = {
         "memory": (resource.RLIMIT_AS, mapped + memory_mb * 2**20),
         "processor time": (resource.RLIMIT_CPU, cpu),
-        "writing": (resource.RLIMIT_FSIZE, 0),
+        "file size": (resource.RLIMIT_FSIZE, 0),
     }
     found = {name: _set(resource, which, value) for name, (which, value) in limits.items()}
     for which, value in ((resource.RLIMIT_NOFILE, _OPEN_FILES), (resource.RLIMIT_CORE, 0)):
         _set(resource, which, value)
-    if hasattr(resource, "RLIMIT_NPROC"):
-        _set(resource, resource.RLIMIT_NPROC, 0)
     return found
 
 
 def close_files() -> dict[str, str]:
-    """Open no file from now on, for reading or writing, and make no TCP connection."""
+    """Let this thread open no file any more; a thread that the runtime began on import still may, for reading."""
     if sys.platform != "linux":
-        return {"files": f"not held: {sys.platform} has no such lock here"}
+        return {"reading": f"not held: {sys.platform} has no such lock here"}
     kernel = ctypes.CDLL(None, use_errno=True)
+    held = _shut(kernel, lambda every: every)
+    return {"reading": held if held != HELD or _nothing_opens() else "not held: a file could still be opened"}
+
+
+def _shut(kernel: Any, chosen: Callable[[int], int]) -> str:
+    """Give up those file rights that `chosen` keeps of all that this kernel knows, TCP, and signals to others."""
     version = kernel.syscall(_CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint32(1))
     if version < 1:
-        return {"files": _refused()}
-    rules = _Ruleset((1 << _FILE_RIGHTS.get(version, 16)) - 1, 3 if version >= 4 else 0, 3 if version >= 6 else 0)
+        return _refused()
+    every = (1 << _FILE_RIGHTS.get(version, 16)) - 1
+    rules = _Ruleset(chosen(every), 3 if version >= 4 else 0, 3 if version >= 6 else 0)
     size = 8 if version < 4 else 16 if version < 6 else 24
     handle = kernel.syscall(_CREATE_RULESET, ctypes.byref(rules), ctypes.c_size_t(size), ctypes.c_uint32(0))
     if handle < 0:
-        return {"files": _refused()}
+        return _refused()
     done = kernel.syscall(_RESTRICT_SELF, ctypes.c_int(handle), ctypes.c_uint32(0))
+    refused = _refused()
     os.close(handle)
-    if done != 0:
-        return {"files": _refused()}
-    found = {"files": HELD if _nothing_opens() else "not held: a file could still be opened"}
-    if version >= 4:
-        found["tcp"] = HELD
-    return found
+    return HELD if done == 0 else refused
 
 
 def _set(resource: Any, which: int, value: int) -> str:

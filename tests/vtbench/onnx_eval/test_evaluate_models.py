@@ -54,25 +54,20 @@ def test_the_record_says_whose_it_is_and_what_it_cost(evaluated):
     assert artifact.latency[0].first_ms >= 0
     assert 20 < artifact.peak_rss_mb < 1000
     assert record.identity.params["artifact"] == artifact.sha256
-    assert {"memory", "processor time", "writing"} <= set(artifact.protections)
+    assert {"memory", "processor time", "file size", "network", "reading", "writing"} <= set(artifact.protections)
     assert read_records(out) == [record]
 
 
-def test_another_file_is_another_record_and_the_same_file_the_same(evaluated, tested, known, tmp_path):
+def test_the_same_file_is_the_same_record_and_under_another_id_flagged(evaluated, tested, known, tmp_path):
     record, _, model = evaluated
     again = evaluate(model, tested, CREDIT, tmp_path / "out")
     assert again.key == record.key
     assert again.metrics == record.metrics  # whatever the order in which the model met the samples
-    other = graphs.honest(tmp_path / "other.onnx", known[0] + 1, known[1])
-    assert evaluate(other, tested, CREDIT, tmp_path / "out").key != record.key
-
-
-def test_the_same_bytes_under_another_id_are_flagged(evaluated, tested, tmp_path):
-    _, _, model = evaluated
-    evaluate(model, tested, CREDIT, tmp_path / "out")
     copy = evaluate(model, tested, Credit("copycat", "Mine"), tmp_path / "out")
     assert copy.submission.status == "flagged"
     assert "someone" in copy.submission.reason
+    other = graphs.honest(tmp_path / "other.onnx", known[0] + 1, known[1])
+    assert evaluate(other, tested, CREDIT, tmp_path / "out").key != record.key
 
 
 def test_only_the_test_parts_of_a_split_are_seen_and_scored(presses, evaluated, tmp_path):

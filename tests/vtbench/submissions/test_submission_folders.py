@@ -61,15 +61,10 @@ def hand_in(tmp_path, presses, table):
     return make
 
 
-def handed(table, labels=None, **entry):
+def handed(ids, labels, **entry):
     """An entry of predictions, and its file."""
-    rows = zip(table["id"], table["label"] if labels is None else labels, strict=True)
-    text = "sample_id,label\n" + "".join(f"{sample},{label}\n" for sample, label in rows)
-    return {"entry": {"predictions": "p.csv", **entry}, "files": {"p.csv": text}}
-
-
-def csv_of(ids, labels):
-    return "sample_id,label\n" + "".join(f"{sample},{label}\n" for sample, label in zip(ids, labels, strict=True))
+    rows = "".join(f"{sample},{label}\n" for sample, label in zip(ids, labels, strict=True))
+    return {"entry": {"predictions": "p.csv", **entry}, "files": {"p.csv": f"sample_id,label\n{rows}"}}
 
 
 def rules(folder):
@@ -219,26 +214,22 @@ def test_labels_are_names_or_numbers_of_classes():
 def test_predictions_are_scored_and_never_verified(hand_in, presses, table, tmp_path):
     labels = table["object"].tolist()
     labels[0] = labels[1]
-    perfect_but_one = hand_in(
-        entry={"predictions": "p.csv", "claimed": 0.5}, files={"p.csv": csv_of(table["id"], labels)}
-    )
-    record = evaluate_folder(perfect_but_one, Terms(data=(presses,)), tmp_path / "out")[0]
+    claiming = hand_in(**handed(table["id"], labels, claimed=0.5))
+    record = evaluate_folder(claiming, Terms(data=(presses,)), tmp_path / "out")[0]
     assert record.metrics[0].value == pytest.approx(1 - 1 / len(labels))
     assert record.submission.status == "flagged"
     assert "claimed 50.0 %" in record.submission.reason
-    plain = hand_in(
-        "two", id="two", entry={"predictions": "p.csv"}, files={"p.csv": csv_of(table["id"], table["label"])}
-    )
+    plain = hand_in("two", id="two", **handed(table["id"], table["label"]))
     assert evaluate_folder(plain, Terms(data=(presses,)), tmp_path / "out")[0].submission.status == "self-reported"
 
 
 def test_predictions_that_do_not_fit_the_data_fail_with_a_reason(hand_in, presses, table, tmp_path):
     cases = {
-        "fewer": (csv_of(table["id"][1:], table["label"][1:]), "1 tested samples have no prediction"),
-        "other": (csv_of([*table["id"], "stranger"], [*table["label"], 0]), "'stranger'"),
+        "fewer": (handed(table["id"][1:], table["label"][1:]), "1 tested samples have no prediction"),
+        "other": (handed([*table["id"], "stranger"], [*table["label"], 0]), "'stranger'"),
     }
     for name, (content, words) in cases.items():
-        folder = hand_in(name, id=name, entry={"predictions": "p.csv"}, files={"p.csv": content})
+        folder = hand_in(name, id=name, **content)
         record = evaluate_folder(folder, Terms(data=(presses,)), tmp_path / "out")[0]
         assert record.status.state == "failed"
         assert words in record.status.reason
@@ -289,7 +280,7 @@ def test_what_a_record_shows_of_a_stranger_is_harmless_even_if_forged(tmp_path, 
             web_link(link)
     assert slug("<b>Ünï Net!</b>") == "b-uni-net-b"
     assert slug("///") == "model"
-    folder = hand_in(title="k < 10 & 'more' \"quotes\"", **handed(table))
+    folder = hand_in(title="k < 10 & 'more' \"quotes\"", **handed(table["id"], table["label"]))
     records = evaluate_folder(folder, Terms(data=(presses,)), tmp_path / "out")
     page = build_board(records, tmp_path / "board").html.read_text()
     assert "k < 10 & 'more'" not in page
