@@ -147,8 +147,9 @@ class KSC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         possible = self.kernel in COMPUTABLE and self.solver == "komp"
         if self.store_gram is False and not possible:
             raise ValueError("store_gram=False needs kernel 'rbf' or 'linear' and solver 'komp'.")
-        small = 8 * len(self._modalities) * n_atoms**2 <= STORED_BYTES
-        return bool(self.store_gram is True or small or not possible)
+        if self.store_gram != "auto":
+            return bool(self.store_gram)
+        return not possible or 8 * len(self._modalities) * n_atoms**2 <= STORED_BYTES
 
     def _decision(self, X: ArrayLike, weights: Mapping[str, float]) -> FloatArray:
         check_is_fitted(self)

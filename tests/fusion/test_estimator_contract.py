@@ -21,6 +21,7 @@ def test_estimator_passes(estimator, check):
         KSC("precomputed"),
         KSC(solver="lasso"),
         JKSC(),
+        JKSC(store_gram=False),
         WeightedKNN(novelty_threshold=0.0),
         ModalityPCA(n_components=3),
         FourierBasis(3, period=20.0),

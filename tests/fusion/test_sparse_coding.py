@@ -140,6 +140,35 @@ def test_the_scale_of_one_modality_changes_no_label():
         np.testing.assert_array_equal(model.fit(X * scale, y).predict(queries * scale), expected)
 
 
+@pytest.mark.parametrize(("scale_g", "scale_k"), [(1e9, 1e9), (1e-9, 1e-9), (1.0, 1e9), (1e9, 1e-9)])
+def test_the_scale_of_a_precomputed_kernel_changes_no_label(scale_g, scale_k):
+    X, y, queries, _ = clusters(7)
+    G, K = rbf_kernel(X, X, 0.05), rbf_kernel(queries, X, 0.05)
+    expected = KSC("precomputed", normalize_kernel=False).fit(G, y).predict(K)
+    scaled = KSC("precomputed", normalize_kernel=False).fit(scale_g * G, y).predict(scale_k * K)
+    np.testing.assert_array_equal(scaled, expected)
+
+
+@pytest.mark.parametrize("coupling", ["shared", "independent"])
+def test_only_the_ratio_of_weights_counts(coupling):
+    X, y, queries, _ = clusters(17, spread=1.2)
+    model = JKSC(MODALITIES, coupling=coupling, weights={"image": 0.5, "force": 2.0}).fit(X, y)
+    np.testing.assert_array_equal(model.predict(queries, weights={"image": 4.0, "force": 16.0}), model.predict(queries))
+    assert (model.predict(queries, weights={"image": 2.0, "force": 0.01}) != model.predict(queries)).any()
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "linear"])
+@pytest.mark.parametrize("coupling", ["shared", "independent"])
+def test_taxels_that_all_read_the_same_leave_the_labels_to_the_image(kernel, coupling):
+    X, y, queries, _ = clusters(18)
+    X[:, 8:], queries[:, 8:] = 0.0, 0.0
+    joint = JKSC(MODALITIES, kernel=kernel, coupling=coupling).fit(X, y)
+    alone = KSC(kernel).fit(X[:, :8], y)
+    assert np.isfinite(joint.decision_function(queries)).all()
+    agreement = np.mean(joint.predict(queries) == alone.predict(queries[:, :8]))
+    assert agreement == 1 if kernel == "linear" else agreement > 0.7
+
+
 @pytest.mark.parametrize("coupling", ["shared", "independent"])
 def test_a_modality_of_weight_zero_is_as_if_it_were_not_there(coupling):
     X, y, queries, _ = clusters(8)
