@@ -17,8 +17,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 STATE_COLOURS = {1: "#f6d58a", 2: "#f2b5a7"}
-STATE_NAMES = {1: "partial slip", 2: "gross slip"}
-DETECTORS = {"covariance": "covariance score, N²", "energy": "energy score, N"}
+SHADES = "yellow: partial slip, red: gross slip, dashed: onset"
+DETECTORS = {"covariance": "covariance [N²]", "energy": "energy [N]"}
+THRESHOLD = "#a63d6d"
+PERIODS = 3
+"""Consecutive samples at or above beta that raise an alarm, as in the tasks."""
 _NAMED_TAXELS = 6
 
 
@@ -67,7 +70,8 @@ def slide_scores(dataset_dir: Path | str, trial: int, png: Path | str) -> Path:
     row = rows.iloc[trial]
     time_s = np.arange(len(series[trial])) / row["rate_hz"]
     with page(png, (10.5, 3.6 + 1.9 * len(DETECTORS))) as figure:
-        heading(figure, _title(row), f"{dataset.meta.name}, sample {trial}: {_condition(row)}, unit {row['unit']}")
+        where = f"{dataset.meta.name}, sample {trial}: {_condition(row)}, unit {row['unit']}"
+        heading(figure, _title(row), f"{where}; {SHADES}; bar: alarm, {PERIODS} samples at or above β")
         body = figure.subfigures(2, 1, squeeze=False, height_ratios=[0.85, 2.75 + 1.9 * len(DETECTORS)])[1, 0]
         ratios = [2.2, *[1.3] * len(DETECTORS)]
         edges = {"left": 0.085, "right": 0.98, "bottom": 0.08, "top": 0.98, "hspace": 0.12, "height_ratios": ratios}
@@ -78,16 +82,38 @@ def slide_scores(dataset_dir: Path | str, trial: int, png: Path | str) -> Path:
             _shade(axes, states[trial], row)
             score = slip.make_detector(name).score(series[trial])
             axes.plot(time_s, score, color=INK, lw=1.0)
+            top = float(score.max())
             if earlier is not None:
                 gross = np.flatnonzero(states[earlier] == 2)
                 beta = slip.prior(slip.make_detector(name), series[earlier], (gross[0], gross[-1] + 1)).beta
-                axes.axhline(beta, color="#a63d6d", lw=1.0, ls=(0, (4, 2)))
-                text = f" β from the slip of sample {earlier}"
-                axes.text(time_s[-1], beta, text, color="#a63d6d", fontsize=8, ha="right", va="bottom")
-            axes.set(ylabel=label, ylim=(0, None))
+                top = max(top, beta)
+                _threshold(axes, time_s, score, beta, f"β from the slip of sample {earlier}")
+            axes.set(ylabel=label, ylim=(-0.09 * top, 1.08 * top or 1.0))
+        body.align_ylabels(places)
         places[-1].set_xlabel("time [s]")
-        places[-1].set_xlim(0, time_s[-1])
+        places[-1].set_xlim(0, time_s[-1] + 1 / row["rate_hz"])
     return Path(png)
+
+
+def _threshold(axes: Axes, time_s: NDArray[np.float64], score: NDArray[np.float64], beta: float, text: str) -> None:
+    """A line at beta, named at its left end, and a bar below zero while the alarm is on."""
+    import slip
+
+    axes.axhline(beta, color=THRESHOLD, lw=1.0, ls=(0, (4, 2)))
+    axes.annotate(
+        text,
+        (0.0, beta),
+        xytext=(5, 8),
+        textcoords="offset points",
+        color=THRESHOLD,
+        fontsize=8,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8},
+    )
+    edges = np.flatnonzero(np.diff(slip.hold_on(score >= beta, PERIODS).astype(np.int8), prepend=0, append=0))
+    step = float(time_s[1]) if len(time_s) > 1 else 0.0
+    for first, last in edges.reshape(-1, 2):
+        span = (time_s[first], time_s[last - 1] + step)
+        axes.hlines(0.04, *span, color=THRESHOLD, lw=4, transform=axes.get_xaxis_transform())
 
 
 def _forces(axes: Axes, series: NDArray[np.float32], state: NDArray[np.uint8], row: Any, named: int) -> None:
@@ -141,8 +167,7 @@ def _condition(row: Any) -> str:
 
 def _summary(dataset: SlideDataset) -> str:
     found = dataset.summary()
-    shades = "yellow: partial slip, red: gross slip, dashed: onset"
     return (
         f"{found['samples']} trials, {found['with_slip']} with slip, {found['minutes']:g} min at "
-        f"{found['rate_hz']:g} Hz; one trial of each kind; {shades}; dataset {dataset.hash[:12]}"
+        f"{found['rate_hz']:g} Hz; one trial of each kind, four taxels in colour; {SHADES}; dataset {dataset.hash[:12]}"
     )
