@@ -44,7 +44,8 @@ def pair_matrix(X: FloatArray, columns: FloatArray, *, squared: bool) -> FloatAr
 
 def squared_norms(X: FloatArray) -> FloatArray:
     """Inner product of each row of X (q, d) with itself: (q,), with the bits of `linear_kernel`."""
-    return np.asarray(np.add.accumulate(X * X, axis=1)[:, -1])
+    with np.errstate(over="ignore"):
+        return np.asarray(np.add.accumulate(X * X, axis=1)[:, -1])
 
 
 def rbf_kernel(X: FloatArray, Y: FloatArray, gamma: float) -> FloatArray:

@@ -88,7 +88,8 @@ def kernel_rows(modalities: Sequence[Modality], queries: Sequence[FloatArray]) -
             np.multiply(pair_matrix(part, modality.atoms, squared=True), modality.gamma, out=out)
             continue
         if modality.kernel == "linear":
-            kernel, own = pair_matrix(part, modality.atoms, squared=False), squared_norms(part)
+            own = _finite(squared_norms(part))
+            kernel = pair_matrix(part, modality.atoms, squared=False)
         elif modality.kernel == "precomputed":
             kernel, own = part, np.ones(len(part))
         else:
@@ -96,10 +97,16 @@ def kernel_rows(modalities: Sequence[Modality], queries: Sequence[FloatArray]) -
             own = own_values(modality.kernel, part) if modality.normalize else np.ones(len(part))
         out[:] = cosine_normalize(kernel, own, modality.self_values) if modality.normalize else kernel
     if modalities[0].kernel == "rbf":
-        shift = rows.min(axis=(0, 2))[None, :, None]
+        shift = _finite(rows.min(axis=(0, 2)))[None, :, None]
         np.subtract(shift, rows, out=rows)
         np.exp(rows, out=rows)
     return rows
+
+
+def _finite(values: FloatArray) -> FloatArray:
+    if not np.isfinite(values).all():
+        raise ValueError("X holds values too large to square; scale the features first (StandardScaler).")
+    return values
 
 
 def call_kernel(kernel: KernelName, X: FloatArray, Y: FloatArray) -> FloatArray:
