@@ -152,4 +152,9 @@ def fit_order(samples: Samples, order: Order) -> Fitted:
     setting = choose(method, feed, Reducer(blocks, method.preprocess), fold.train, known, inner, order.seed)
     training = {block: values[fold.train] for block, values in blocks.items()}
     pipeline = fit_pipeline(method, feed, setting, training, known)
+    scores = any(hasattr(pipeline.classifier, name) for name in ("decision_function", "predict_proba"))
+    if not (scores and hasattr(pipeline.classifier, "classes_")):
+        raise ValueError(
+            f"{order.method} is not a classifier with scores; give it classes_ and decision_function or predict_proba"
+        )
     return Fitted(method, feed, modality, variant, name, fold, setting, pipeline)
