@@ -147,17 +147,12 @@ class _FusionNet(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
             raise ValueError("validation_folds must be 0 or at least 2: one fold would leave nothing to learn from.")
         if not self.learning_rate > 0:
             raise ValueError(f"learning_rate must be positive, got {self.learning_rate!r}.")
-        for name, most in (
-            ("weight_decay", np.inf),
-            ("noise", np.inf),
-            ("label_smoothing", 1),
-            ("modality_dropout", 1),
-        ):
-            value = getattr(self, name)
-            if not 0 <= value <= most:
-                raise ValueError(
-                    f"{name} must not be negative{f' nor above {most}' if most == 1 else ''}, got {value!r}."
-                )
+        for name in ("weight_decay", "noise"):
+            if not 0 <= getattr(self, name) < np.inf:
+                raise ValueError(f"{name} must be finite and not negative, got {getattr(self, name)!r}.")
+        for name in ("label_smoothing", "modality_dropout"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise ValueError(f"{name} must lie in 0 to 1, got {getattr(self, name)!r}.")
 
     _LEAST: ClassVar[Mapping[str, int]] = {"epochs": 1, "batch_size": 1, "validation_folds": 0, "width": 2}
 

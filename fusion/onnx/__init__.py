@@ -35,6 +35,8 @@ EXPORTERS: dict[str, str] = {
     "fusion.sparse_coding:KSC": _OWN + "sparse:sparse_coding",
     "fusion.sparse_coding:JKSC": _OWN + "sparse:sparse_coding",
     "fusion.neighbors:WeightedKNN": _OWN + "neighbors:weighted_neighbors",
+    "fusion.neural.estimators:LateFusionNet": _OWN + "neural:fusion_net",
+    "fusion.neural.estimators:FusionTransformer": _OWN + "neural:fusion_net",
     "fusion.features.pca:ModalityPCA": _OWN + "affine:modality_pca",
     "sklearn.neighbors._classification:KNeighborsClassifier": _OWN + "neighbors:nearest_neighbors",
     "sklearn.svm._classes:SVC": _OWN + "support_vectors:support_vectors",
