@@ -71,6 +71,8 @@ def run(args: Namespace) -> int:
         raise ValueError("--samples: it is the size of a hidden set; give --hidden-seed too")
     if args.hidden_seed is not None and args.data:
         raise ValueError("--hidden-seed: a hidden set is made anew, so --data has no place beside it")
+    if args.hidden_seed is not None and args.fold is not None:
+        raise ValueError("--fold: every recording of a hidden set is tested; leave it out")
     if args.hidden_seed is not None:
         _warn_of_seed(args.hidden_seed)
     terms = Terms(

@@ -136,6 +136,20 @@ def test_frames_and_forces_in_time_reach_the_model_whole(presses, tested, tmp_pa
     np.testing.assert_allclose(found[:, :3], expected, rtol=1e-4)
 
 
+def covariance_in_both_ways(tested, tmp_path):
+    """Metrics at a rate of false alarms of the exported graph and of the detector in the grid; no threshold in them."""
+    import slip
+    from vtbench.run.detection.detect import DetectionWork, detect
+    from vtbench.run.detection.scoring import score_slips
+
+    detector = slip.make_detector("covariance", window=tested.task.window)
+    slip.export_onnx(detector, tmp_path / "covariance.onnx")
+    record = evaluate(tmp_path / "covariance.onnx", tested, CREDIT, tmp_path / "out")
+    work = DetectionWork("", "covariance", "prior", tested.split, "", tested.data, tested.task, 60.0)
+    ours = {m.name: m.value for m in score_slips(detect(work).predictions, tested.data, tested.task)}
+    return {m.name: (m.value, ours[m.name]) for m in record.metrics if "@" in m.name or m.name == "roc_area"}
+
+
 @pytest.mark.slow
 def test_slip_scores_are_held_to_the_events_of_the_trials(tmp_path):
     scene = fake_slides.FakeSlipScene(n_samples=12)
@@ -147,6 +161,10 @@ def test_slip_scores_are_held_to_the_events_of_the_trials(tmp_path):
     assert metrics["detected"] == 1.0
     assert metrics["delay_ms"] < 100
     assert "stream_us" not in metrics
+    parity = covariance_in_both_ways(tested, tmp_path)
+    assert len(parity) > 6
+    for name, (theirs, ours) in parity.items():
+        assert theirs == pytest.approx(ours, rel=1e-4), name
     constant = graphs.save(
         tmp_path / "constant.onnx",
         [
@@ -177,6 +195,7 @@ def test_the_command_ends_with_one_for_a_failed_model_and_two_for_bad_input(pres
         "--fold": "run-0",
         "--hidden-seed": "7",
         "--samples": "10",
+        "--variant": "papr",
         "--time-limit": "-1",
     }
     for option, value in bad.items():

@@ -2,6 +2,8 @@
 
 import json
 import zipfile
+from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,10 +16,12 @@ from tests.vtbench.onnx_eval import graphs
 from tests.vtbench.run import small
 from vtbench.cli import main
 from vtbench.data import Dataset
-from vtbench.submissions.checking import check_folder, check_folders
+from vtbench.submissions.checking import check_folder, check_folders, name_problem
 from vtbench.submissions.predictions import class_indices, read_predictions_file
+from vtbench.submissions.reading import understand
 from vtbench.submissions.rules import RULES
 from vtbench.submissions.score import Terms, evaluate_folder
+from vtbench.yaml_file import parse_yaml
 
 TASK = "objects/interference/v1"
 ABOUT = {
@@ -74,6 +78,17 @@ def rules(folder):
 def test_a_good_folder_has_no_problem(hand_in, capsys):
     assert main(["check", str(hand_in())]) == 0
     assert "ok (nearest-mean, 1 entry)" in capsys.readouterr().out
+
+
+def test_the_docs_hold_every_rule_and_an_example_that_is_understood():
+    text = (files("vtbench") / "docs" / "submitting.md").read_text()
+    for rule in RULES:
+        assert f"| {rule} |" in text
+    example = text.split("```yaml\n")[1].split("```")[0]
+    about = parse_yaml(example, Path("submission.yaml"))
+    file, problems = understand(about.data, about.lines)
+    assert not problems
+    assert all(name_problem(entry) is None for entry in file.entries)
 
 
 @pytest.mark.parametrize(
