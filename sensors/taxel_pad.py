@@ -95,6 +95,8 @@ class TaxelPad:
         length, layout = self.parameters.max_penetration_mm * 1e-3, self.layout
         # the rays come from inside the pad, so that what they meet first is the side that presses
         entry = solid.entry(layout.points - length * layout.normals, layout.normals)
+        if np.isnan(entry).any():
+            raise ValueError("expected an object at a finite place, got NaN")
         if (entry <= 0).any():
             raise ValueError(
                 f"the object is more than max_penetration_mm = {self.parameters.max_penetration_mm:g} mm deep in "

@@ -123,8 +123,11 @@ def lift_cube(grasp: Grasp | None = None, pad: TaxelPad | None = None) -> GraspH
 
 def _refuse_long_steps(grasp: Grasp, pad: TaxelPad) -> None:
     """Symplectic steps are stable while springs and dampers of all elements at once are slower than the step."""
-    if not (grasp.mass_kg > 0 and grasp.edge_mm > 0 and grasp.duration_s > 0):
-        raise ValueError(f"a grasp needs mass_kg, edge_mm and duration_s > 0, got {grasp}")
+    if not (grasp.mass_kg > 0 and grasp.edge_mm > 0 and grasp.duration_s >= grasp.dt_s > 0):
+        raise ValueError(
+            "a grasp needs mass_kg > 0, edge_mm > 0 and duration_s >= dt_s > 0, got "
+            f"{grasp.mass_kg}, {grasp.edge_mm}, {grasp.duration_s} and {grasp.dt_s}"
+        )
     p, elements = pad.parameters, 2 * len(pad.layout)
     stiffest = elements * max(p.stiffness_n_per_m, p.bristle_n_per_m) + _TABLE_N_PER_M
     damper = elements * max(p.damping_ns_per_m, p.bristle_damping_ns_per_m) + _TABLE_NS_PER_M

@@ -65,12 +65,14 @@ class CapacitiveChain:
         """Times (M,; s) and whole counts (M, taxels) for loads (T, taxels; N) sampled at `rate_hz`.
 
         Starts at rest, or with `settled` long under the first load. `gain` scales the counts taxel by taxel. No noise
-        without `rng`. Raises ValueError where `rate_hz` is below the sampling rate.
+        without `rng`. Raises ValueError for a load that is not finite, and where `rate_hz` is below the sampling rate.
         """
         from scipy.signal import lfilter
 
         if rate_hz < self.rate_hz:
             raise ValueError(f"loads must come at {self.rate_hz:g} Hz or faster, got rate_hz={rate_hz:g}")
+        if not np.isfinite(load).all():
+            raise ValueError("expected finite taxel loads in newtons, got NaN or infinity")
         ideal = self.counts(np.asarray(load, dtype=np.float64)) * gain
         keep = np.exp(-2 * np.pi * self.bandwidth_hz / rate_hz)
         before = keep * ideal[:1] if settled else np.zeros_like(ideal[:1])

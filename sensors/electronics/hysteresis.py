@@ -8,6 +8,7 @@ of Control 9 (2003) 407-418.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,7 @@ from sensors.compiled import compiled
 def play(x: NDArray[np.float64], threshold: float) -> NDArray[np.float64]:
     """Play operator along axis 0 from rest (p = 0 before the first sample); same shape as `x`."""
     x = np.ascontiguousarray(x, dtype=np.float64)
-    return np.asarray(_follow(x.reshape(len(x), -1), float(threshold))).reshape(x.shape)
+    return np.asarray(_follow(x.reshape(len(x), math.prod(x.shape[1:])), float(threshold))).reshape(x.shape)
 
 
 @compiled

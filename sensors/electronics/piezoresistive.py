@@ -53,9 +53,11 @@ class PiezoresistiveChain:
     def __post_init__(self) -> None:
         if self.compensate_hysteresis and (self.hysteresis is None or self.creep is not None):
             raise ValueError("compensate_hysteresis needs a chain with hysteresis and without creep: set creep=None")
-        if min(self.supply_v, self.divider_ohm, self.midscale_force_n, self.exponent, self.rate_hz) <= 0:
+        positive = (self.supply_v, self.divider_ohm, self.midscale_force_n, self.exponent, self.rate_hz)
+        if not all(0 < value < np.inf for value in positive):
             raise ValueError("a chain needs supply, divider, midscale force, exponent and rate > 0")
-        if min(self.rest_conductance_s, self.noise_v, self.press_spread) < 0 or self.adc_bits < 1 or self.rows < 1:
+        others = (self.rest_conductance_s, self.noise_v, self.press_spread)
+        if not all(0 <= value < np.inf for value in others) or self.adc_bits < 1 or self.rows < 1:
             raise ValueError("a chain needs rest conductance, noise and spread >= 0, adc_bits and rows >= 1")
 
     @property
@@ -129,9 +131,12 @@ class PiezoresistiveChain:
     ) -> NDArray[np.float64]:
         """Read-back forces (N) for true taxel loads (T, taxels) from rest; neither noise nor spread without `rng`.
 
-        Raises ValueError where `rows` do not divide the taxels of an array whose rows are not isolated.
+        Raises ValueError for a load that is not finite, and where `rows` do not divide the taxels of an array whose
+        rows are not isolated.
         """
         load = np.asarray(load, dtype=np.float64)
+        if not np.isfinite(load).all():
+            raise ValueError("expected finite taxel loads in newtons, got NaN or infinity")
         if rng is not None and self.press_spread > 0:
             gain = gain * np.exp(self.press_spread * rng.standard_normal(load.shape[1:]))
         voltage = self.voltage(self.respond(load), gain, dead)

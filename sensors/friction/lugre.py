@@ -110,7 +110,7 @@ class LuGre:
         """A whole prescribed motion from unstrained bristles: `advance` for every step, in one compiled pass.
 
         velocity (T, n, d; m/s) and normal_force (T, n; N) of n elements. Returns bristles (m) and forces (N), each
-        (T, n, d), at every sample. Raises ValueError for other shapes, fewer than one sample, or dt_s <= 0.
+        (T, n, d), at every sample. Raises ValueError for other shapes, values that are not finite, or dt_s <= 0.
         """
         velocity, normal_force = np.asarray(velocity, dtype=np.float64), np.asarray(normal_force, dtype=np.float64)
         if velocity.ndim != 3 or velocity.shape[:2] != normal_force.shape or len(velocity) < 1:
@@ -120,6 +120,8 @@ class LuGre:
             )
         if not dt_s > 0:
             raise ValueError(f"dt_s must be > 0, got {dt_s}")
+        if not (np.isfinite(velocity).all() and np.isfinite(normal_force).all()):
+            raise ValueError("expected finite velocity and normal_force, got NaN or infinity")
         bristle, force = np.zeros_like(velocity), np.empty_like(velocity)
         stiffness = np.broadcast_to(np.asarray(self.stiffness, dtype=np.float64), normal_force.shape[1:])
         steps = max(1, _IN_CACHE // max(1, velocity[0].size))

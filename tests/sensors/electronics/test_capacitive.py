@@ -66,3 +66,5 @@ def test_impossible_chains_and_clocks_are_refused():
         CapacitiveChain(full_squeeze=1.0)
     with pytest.raises(ValueError, match="noise_counts"):
         CapacitiveChain(noise_counts=-1.0)
+    with pytest.raises(ValueError, match="finite taxel loads"):
+        CHAIN.read(np.full((10, 4), np.nan), 1000.0)

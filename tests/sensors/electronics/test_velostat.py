@@ -74,3 +74,15 @@ def test_what_has_no_inverse_or_no_meaning_is_refused():
         PiezoresistiveChain(exponent=0.0)
     with pytest.raises(ValueError, match="adc_bits"):
         PiezoresistiveChain(adc_bits=0)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_loads_that_are_not_finite_are_refused(bad):
+    with pytest.raises(ValueError, match="finite taxel loads"):
+        VELOSTAT.read(np.full((3, 16), bad))
+    with pytest.raises(ValueError, match="a chain needs"):
+        PiezoresistiveChain(noise_v=bad)
+
+
+def test_nothing_read_is_nothing():
+    assert PiezoresistiveChain().read(np.zeros((0, 16))).shape == (0, 16)

@@ -156,3 +156,5 @@ def test_a_motion_of_the_wrong_shape_is_refused():
         LuGre(1e4).follow(np.zeros((5, 2)), np.zeros(5), DT)
     with pytest.raises(ValueError, match="dt_s"):
         LuGre(1e4).follow(np.zeros((5, 1, 2)), np.zeros((5, 1)), 0.0)
+    with pytest.raises(ValueError, match="finite"):
+        LuGre(1e4).follow(np.full((5, 1, 2), np.nan), np.zeros((5, 1)), DT)
