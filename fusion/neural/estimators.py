@@ -53,7 +53,8 @@ class _FusionNet(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
     def predict(self, X: ArrayLike, *, missing: Collection[str] = ()) -> NDArray[Any]:
         """Label of each row of X (q, d); ties go to the first class."""
-        return np.asarray(self.classes_[np.argmax(self._logits(X, missing), axis=1)])
+        winner = np.argmax(self._logits(X, missing), axis=1)
+        return np.asarray(self.classes_[winner])
 
     def save(self, path: Path | str) -> Path:
         """Write the fitted net to one .npz of plain arrays, whole or not at all; no pickle."""
