@@ -18,12 +18,12 @@ from fusion.gram import stored_gram
 from fusion.kernels import rbf_kernel
 from fusion.komp import joint_komp, kernel_omp_gram
 from fusion.modality import Modality, kernel_rows
-from fusion.sparse_coding import KSC
+from fusion.sparse_coding import BLOCK_BYTES, KSC
 
 N_CLASSES, N_COLUMNS = 27, 28  # objects; 12 components of an image and 16 taxels
 FLOOR_GOALS = {324: 4.0, 1000: 2.5, 5000: 2.0}
 THREADS_GOAL, DICTLEARN_GOAL, PREDICT_GOAL = 1.7, 1.9, 1.3
-QUERY_ATOMS = 1_500_000  # queries x atoms in one sample: some 15 ms of pursuit
+QUERY_ATOMS = BLOCK_BYTES // 8  # queries x atoms in one sample: what `KSC.predict` takes at once
 PEER_ATOMS = 10_000  # the same for scikit-learn, which copies the Gram matrix for each query
 SINGLES = 50  # queries one by one
 
