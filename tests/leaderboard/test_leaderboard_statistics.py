@@ -233,17 +233,11 @@ def test_coverage_of_groups_and_of_frames() -> None:
 @pytest.mark.parametrize(
     ("groups", "size", "p", "spread", "least"),
     [
-        (6, 270, 0.5, 0.02, 92.5),
-        (6, 270, 0.8, 0.02, 92.5),
-        (6, 270, 0.95, 0.02, 90.5),
         (12, 27, 0.8, 0.05, 92.5),
         (12, 27, 0.95, 0.02, 91),
-        (27, 10, 0.9, 0.05, 92.5),
         (54, 6, 0.8, 0.1, 92.5),
         (180, 2, 0.95, 0.1, 92.5),
         (180, 2, 0.99, 0.02, 92.5),
-        (270, 1, 0.8, 0.5, 92.5),
-        (270, 1, 0.99, 0.5, 92),
     ],
 )
 def test_coverage_at_the_group_counts_in_use(groups: int, size: int, p: float, spread: float, least: float) -> None:
@@ -254,7 +248,7 @@ def test_coverage_at_the_group_counts_in_use(groups: int, size: int, p: float, s
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("groups", "size"), [(6, 270), (27, 10), (180, 2)])
+@pytest.mark.parametrize(("groups", "size"), [(6, 270), (180, 2)])
 def test_coverage_of_the_paired_difference(groups: int, size: int) -> None:
     inside = 0
     for seed in range(800):

@@ -28,6 +28,7 @@ def suite(tmp_path):
                 "splits": ["random"],
                 "modalities": ["force"],
                 "methods": ["knn", "mine"],
+                "probes": False,
             }
         ],
         "methods": {"mine": {"estimator": "sklearn.neighbors:NearestCentroid", "params": {"shrink_threshold": None}}},

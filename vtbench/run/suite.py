@@ -89,7 +89,7 @@ class Entry(_Part):
         splits: names of splits; those that the variant has, by default.
         modalities: names of feeds; all of the task by default.
         methods: ids of registered methods or of the suite's own; of a slip task ids of detectors.
-        probes: methods that are fed the probes (true: all of `methods`).
+        probes: methods that are fed the probes; all of `methods` where nothing is said, none where false.
         upper_lines: methods that are fed the upper lines.
         backbone: what turns frames into features, in place of the suite's.
     """
@@ -99,7 +99,7 @@ class Entry(_Part):
     splits: tuple[str, ...] | None = Field(None, min_length=1)
     modalities: tuple[str, ...] | None = Field(None, min_length=1)
     methods: tuple[str, ...] = Field(min_length=1)
-    probes: tuple[str, ...] | bool = False
+    probes: tuple[str, ...] | bool = True
     upper_lines: tuple[str, ...] | bool = False
     backbone: str | None = None
 

@@ -49,6 +49,7 @@ def suite(data, methods=("knn",), own_methods=None, entry=None, **changes):
         "splits": ["random", "held-out-unit"],
         "modalities": ["force"],
         "methods": list(methods),
+        "probes": False,
         **(entry or {}),
     }
     return Suite.model_validate(

@@ -40,6 +40,7 @@ def suite(folders):
                         "variants": {"hard": ["a", "b"]},
                         "modalities": ["prior"],
                         "methods": ["covariance"],
+                        "probes": False,
                         **entry,
                     }
                 ],

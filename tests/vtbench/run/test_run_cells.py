@@ -28,6 +28,7 @@ BASE = {
             "splits": ["random"],
             "modalities": ["force", "image", "fused"],
             "methods": ["knn", "mine"],
+            "probes": False,
         }
     ],
 }
@@ -131,6 +132,14 @@ def test_chosen_and_equal_weights_are_different_cells():
 def test_a_joint_method_is_fed_two_modalities_or_none():
     got = {c.identity.modality for c in cells(entry={"methods": ["jksc"]})}
     assert got == {"fused"}
+
+
+def test_an_entry_that_says_nothing_of_probes_has_them_all():
+    task = TASKS.get("objects/deep/v1")
+    said = {name: value for name, value in BASE["entries"][0].items() if name != "probes"}
+    suite = Suite.model_validate({**BASE, "entries": [said]})
+    got = [c.identity for c in plan(suite, Everywhere(), BACKBONE, own_methods(suite)) if c.identity.role == "probe"]
+    assert {(who.modality, who.method) for who in got} == {(p, m) for p in task.probes for m in ("knn", "mine")}
 
 
 def test_probes_and_upper_lines_stand_beside_with_their_roles():

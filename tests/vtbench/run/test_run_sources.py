@@ -18,6 +18,7 @@ TEXTURE = {
     "splits": ["random"],
     "modalities": ["spectrum"],
     "methods": ["knn"],
+    "probes": False,
 }
 
 
