@@ -16,7 +16,7 @@ import numpy as np
 
 from fusion.arrays import FloatArray, frozen
 from fusion.compiled import compiled, unsigned
-from fusion.gram import Gram
+from fusion.gram import Gram, stored_gram
 from fusion.komp import SparseCodes
 from fusion.threads import map_threads
 
@@ -24,8 +24,8 @@ CHUNK_BYTES = 2**22  # of dense codes that a thread takes at once
 
 
 def gram_lasso(
-    gram: Gram,
-    kernels: FloatArray,
+    grams: Gram | Sequence[FloatArray],
+    kernels: FloatArray | Sequence[FloatArray],
     penalty: float,
     *,
     weights: Sequence[float] | None = None,
@@ -35,12 +35,14 @@ def gram_lasso(
 ) -> SparseCodes:
     """Codes of q queries over n atoms, one row support for the M modalities.
 
-    `gram` holds M stored Gram matrices, `kernels` is (M, q, n), `weights` M positive numbers. `penalty` lies
-    in (0, 1). A query is done when no step of a sweep moves the gradient by more than `tol` lambda_max, or
-    after `max_sweeps` sweeps (near copies among the atoms take many). The support is in order of atom index.
+    `grams` are M arrays (n, n), or a `Gram` that stores them, `kernels` M arrays (q, n), `weights` M positive
+    numbers. `penalty` lies in (0, 1). A query is done when no step of a sweep moves the gradient by more than
+    `tol` lambda_max, or after `max_sweeps` sweeps (near copies among the atoms take many). The support is
+    in order of atom index.
     """
     if not 0 < penalty < 1:
         raise ValueError(f"penalty must lie between 0 and 1 (a part of lambda_max), got {penalty!r}.")
+    gram = grams if isinstance(grams, Gram) else stored_gram(grams)
     kernels = frozen(kernels)
     n_modalities, n_queries, n_atoms = kernels.shape
     roots = np.sqrt(np.ones(n_modalities) if weights is None else np.asarray(weights, dtype=np.float64))

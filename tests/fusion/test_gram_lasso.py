@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from sklearn.linear_model import Lasso, MultiTaskLasso
 
-from fusion.gram import stored_gram
 from fusion.gram_lasso import gram_lasso
 
 
 def lasso(grams, kernels, penalty, **limits):
-    return gram_lasso(stored_gram(grams), np.stack(kernels), penalty, **limits)
+    return gram_lasso(grams, kernels, penalty, **limits)
 
 
 def dense(codes, n):
