@@ -132,13 +132,13 @@ def _orders(args: Namespace, samples: Samples) -> list[Order]:
     feeds = {
         name: feed
         for name, feed in task.modalities.items()
-        if name == args.modality or (args.modality is None and not getattr(feed, "by_name", False))
+        if name == args.modality or (args.modality is None and not feed.by_name)
     }
     return [
         Order(method_id, name, **named)
         for name, feed in feeds.items()
         for method_id, method in METHODS.items()
-        if (len(feed.blocks) > 1 or not method.joint) and not getattr(method, "shaped", False)
+        if method.takes(feed)
     ]
 
 

@@ -139,8 +139,8 @@ def fit_order(samples: Samples, order: Order) -> Fitted:
     feed = task.modalities[modality]
     if method.joint and len(feed.blocks) < 2:
         raise ValueError(f"{method.id} joins two modalities and {modality} is one; use ksc, or a fused modality")
-    if getattr(method, "learns", False):
-        raise ValueError(f"{method.id} is a net, which has no exporter here; use jksc, ksc, knn, wknn or svm")
+    if feed.shaped < method.shaped:
+        raise ValueError(f"{method.id} takes shaped features, which {modality} has not; use a modality of pixels")
     split = splits[name](data, order.seed)
     fold = split.folds[0]
     if order.fit == "all":
@@ -151,7 +151,7 @@ def fit_order(samples: Samples, order: Order) -> Fitted:
     inner = None if split.inner_groups is None else split.inner_groups[fold.train]
     setting = choose(method, feed, Reducer(blocks, method.preprocess), fold.train, known, inner, order.seed)
     training = {block: values[fold.train] for block, values in blocks.items()}
-    pipeline = fit_pipeline(method, feed, setting, training, known)
+    pipeline = fit_pipeline(method, feed, setting, training, known, inner)
     scores = any(hasattr(pipeline.classifier, name) for name in ("decision_function", "predict_proba"))
     if not (scores and hasattr(pipeline.classifier, "classes_")):
         raise ValueError(

@@ -13,9 +13,11 @@ from fusion.onnx import add_estimator
 from fusion.onnx.affine import project
 from fusion.onnx.builder import Graph
 from fusion.onnx.ends import backbone_features, float_input, frame_change, score_output
+from fusion.onnx.series import step_means
 from fusion.onnx.spectrum import amplitudes, fourier_coefficients, single_precision
 from vtbench.exporting.fit import Fitted, Samples
 from vtbench.run.fitted import FittedBlock
+from vtbench.tasks.presses import STEPS
 from vtbench.tasks.texture_fabricslide16 import N_HARMONICS, N_TAXELS
 
 if TYPE_CHECKING:
@@ -91,13 +93,18 @@ def _reduced(g: Graph, block: FittedBlock, x: str, width: int) -> str:
     return project(g, x, part.mean, inverse[:, None] * part.axes[: block.size].T)
 
 
-def _frames(inputs: Inputs) -> str:
-    return backbone_features(inputs.graph, get_backbone(inputs.backbone), inputs.frames("image"))
+def _frames(inputs: Inputs, backbone: str) -> str:
+    return backbone_features(inputs.graph, get_backbone(backbone), inputs.frames("image"))
 
 
-def _change(inputs: Inputs) -> str:
+def _change(inputs: Inputs, backbone: str) -> str:
     change = frame_change(inputs.graph, inputs.frames("image"), inputs.frames("image_rest"))
-    return backbone_features(inputs.graph, get_backbone(inputs.backbone), change)
+    return backbone_features(inputs.graph, get_backbone(backbone), change)
+
+
+def _in_steps(inputs: Inputs) -> str:
+    g = inputs.graph
+    return single_precision(g, step_means(g, inputs.numbers("force_series"), STEPS))
 
 
 def _coefficients(inputs: Inputs) -> str:
@@ -112,8 +119,11 @@ def _spectrum(inputs: Inputs) -> str:
 
 BLOCKS: dict[str, Callable[[Inputs], str]] = {
     "force": lambda inputs: inputs.numbers("force"),
-    "image": _frames,
-    "image-change": _change,
+    "image": lambda inputs: _frames(inputs, inputs.backbone),
+    "image-change": lambda inputs: _change(inputs, inputs.backbone),
+    "pixels": lambda inputs: _frames(inputs, "pixels"),
+    "pixels-change": lambda inputs: _change(inputs, "pixels"),
+    "force-series": _in_steps,
     "coefficients": _coefficients,
     "spectrum": _spectrum,
     "electrodes": lambda inputs: inputs.numbers("force"),

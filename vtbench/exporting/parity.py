@@ -130,7 +130,12 @@ def _feeds(offer: Offer, names: list[str], rows: NDArray[np.int64]) -> list[Feed
     """Batches of real samples; one sample each where their lengths differ."""
     if "force_series" in names:
         assert offer.series is not None
-        return [{"force_series": np.asarray(values, np.float32)[None]} for _, values in offer.series(rows)]
+        series = {int(row): np.asarray(values, np.float32)[None] for row, values in offer.series(rows)}
+        beside = [name for name in names if name != "force_series"]
+        return [
+            {"force_series": series[row], **{name: offer.plain[name](np.array([row])) for name in beside}}
+            for row in rows.tolist()
+        ]
     return [
         {name: offer.plain[name](rows[start : start + BATCH]) for name in names} for start in range(0, len(rows), BATCH)
     ]
@@ -171,7 +176,7 @@ def _latency(call: Callable[[Feed], NDArray[np.float32]], feeds: list[Feed], siz
 
 
 def _in_turn(feeds: list[Feed], size: int) -> Iterator[Feed]:
-    by_length = sorted(feeds, key=lambda feed: max(values.shape[1] for values in feed.values()))
+    by_length = sorted(feeds, key=lambda feed: feed["force_series"].shape[1] if "force_series" in feed else 0)
     middle = by_length[len(by_length) // 2]  # recordings of the middle length, where lengths differ
     count = len(next(iter(middle.values())))
     number = 0

@@ -62,7 +62,7 @@ def _identity(samples: Samples, order: Order, fitted: Fitted) -> dict[str, Any]:
         "task": samples.task.id,
         "variant": fitted.variant,
         "modality": fitted.modality,
-        "method": fitted.method.id,
+        "method": order.method,
         "choices": fitted.setting.as_json(),
         "classes": list(samples.data.classes),
         "split": fitted.split,

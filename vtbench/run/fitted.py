@@ -12,7 +12,7 @@ from fusion.features import ModalityPCA
 from vtbench.run.choose import Setting
 from vtbench.run.methods.base import Classifier, Method
 from vtbench.run.reduce import Floats, unit_scale
-from vtbench.tasks.base import Block, Features, Feed
+from vtbench.tasks.base import Block, Factor, Features, Feed
 
 
 @dataclass(frozen=True)
@@ -56,13 +56,19 @@ class FittedPipeline:
 
 
 def fit_pipeline(
-    method: Method, feed: Feed, setting: Setting, features: Mapping[str, Features], labels: NDArray[np.int64]
+    method: Method,
+    feed: Feed,
+    setting: Setting,
+    features: Mapping[str, Features],
+    labels: NDArray[np.int64],
+    apart: Factor | None = None,
 ) -> FittedPipeline:
     """Fit what `vtbench.run.choose.prepare` and `fit` do on a training part, for samples that come later.
 
     Args:
         features: block name -> training features (n, columns).
         labels: (n,) class indices.
+        apart: (n,) condition that a method which learns holds back whole for its own choices.
     """
     blocks: dict[str, FittedBlock] = {}
     groups: dict[str, slice] = {}
@@ -75,7 +81,7 @@ def fit_pipeline(
         groups[block.name] = slice(start, start := start + train[-1].shape[1])
         blocks[block.name] = fitted
     classifier = method.build(groups, setting.weights, setting.params)
-    classifier.fit(np.hstack(train), labels)
+    classifier.fit(np.hstack(train), labels, **({"groups": apart} if method.learns else {}))
     return FittedPipeline(blocks, classifier)
 
 

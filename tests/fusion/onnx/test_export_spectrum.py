@@ -9,6 +9,7 @@ import pytest
 from fusion.features import FourierBasis
 from fusion.onnx.builder import Graph
 from fusion.onnx.ends import float_input
+from fusion.onnx.series import step_means
 from fusion.onnx.spectrum import amplitudes, fourier_coefficients
 
 HARMONICS, CHANNELS = 8, 3
@@ -49,3 +50,17 @@ def test_a_sine_of_whole_periods_stands_in_its_own_harmonic_alone():
     expected = np.zeros((HARMONICS, CHANNELS))
     expected[range(CHANNELS), range(CHANNELS)] = 2**0.5  # of standard deviation 1
     np.testing.assert_allclose(found, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("length", [1, 5, 31, 32, 100])
+def test_step_means_keep_the_mean_of_the_recording(length):
+    steps = 4
+    graph = Graph()
+    series, _ = float_input(graph, "force_series", ["N", "T", CHANNELS])
+    graph.output("means", graph.op("Cast", step_means(graph, series, steps), to=1), ["N", steps * CHANNELS])
+    values = np.random.default_rng(length).random((2, length, CHANNELS), np.float32)
+    run = onnxruntime.InferenceSession(graph.model("means").SerializeToString()).run
+    found = run(None, {"force_series": values})[0].reshape(2, steps, CHANNELS)
+    fine = np.repeat(values, steps, axis=1).reshape(2, steps, length, CHANNELS).mean(axis=2)
+    np.testing.assert_allclose(found, fine, atol=1e-6)
+    np.testing.assert_allclose(found.mean(axis=1), values.mean(axis=1), atol=1e-6)
