@@ -8,7 +8,11 @@ from typing import Any
 _MODULES = {
     "board": ["BoardFiles", "build_board"],
     "console": ["format_console"],
+    "baselines": ["read_baselines", "write_baselines"],
+    "caution": ["coverage_warning"],
     "contents": ["BoardTables", "board_tables"],
+    "paired": ["Comparison", "compare_groups", "holm"],
+    "ranks": ["Entrant", "Rank", "Ranking", "rank"],
     "record": [
         "Identity",
         "Metric",
@@ -24,6 +28,7 @@ _MODULES = {
         "scan_records",
         "write_record",
     ],
+    "tally": ["Tally", "read_tallies", "write_tally"],
     "statistics": ["Interval", "group_interval", "paired_group_difference", "wilson"],
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}

@@ -9,7 +9,7 @@ from leaderboard.statistics import BONETT_PRICE, FEW_GROUPS, WILSON_EFFECTIVE, W
 
 MARK = "≈"
 """Stands before an interval that carries a warning."""
-MANY_GROUPS = 100
+MANY_GROUPS, SOME_GROUPS = 100, 20
 NEAR = 0.9
 """Beyond this share (or below one minus it) few groups see too few misses."""
 
@@ -17,6 +17,7 @@ FEW = "fewer than ten groups: where groups differ much, nominal 95 % covers as l
 EDGE = "fewer than a hundred groups near 0 or 100 %: nominal 95 % covers 88 to 100 %, by how much groups differ"
 WIDE = "hardly any group differs, so the interval leans to the safe side: nominal 95 % covers 97 to 100 %"
 
+SOME = "fewer than twenty groups: where groups differ much, nominal 95 % covers 92 %"
 UNEVEN = "fewer than a hundred groups: where a difference sits in few of them, nominal 95 % covers 92 %"
 
 
@@ -33,4 +34,6 @@ def coverage_warning(method: str, groups: int, value: float, *, difference: bool
         return EDGE
     if method in (WILSON_EFFECTIVE, WILSON_GROUPS, BONETT_PRICE):
         return WIDE
+    if not difference and groups < SOME_GROUPS:
+        return SOME
     return UNEVEN if difference and groups < MANY_GROUPS else ""

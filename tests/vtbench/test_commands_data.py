@@ -126,7 +126,7 @@ def test_the_file_of_a_dataset_stands_for_its_folder(vtbench, dataset):
 def test_configurations_are_told_apart_by_folder_or_keys(vtbench, scene, tmp_path):
     suites = tmp_path / "suites"
     suites.mkdir()
-    suite = "id: mine\ntitle: t\nentries:\n  - {task: texture/fabricslide16/v1, variants: [public], methods: [svm], probes: false}\n"
+    suite = "id: mine\ntitle: t\nentries:\n  - {task: texture/fabricslide16/v1, variants: [public], methods: [svm]}\n"
     (suites / "a.yaml").write_text(suite)
     (tmp_path / "b.yaml").write_text(suite)
     answer = vtbench("validate", scene, suites / "a.yaml", tmp_path / "b.yaml", "--json")
