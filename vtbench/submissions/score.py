@@ -140,15 +140,13 @@ def score_predictions(path: Path, tested: Tested, credit: Credit, out: Path) -> 
 
 
 def joined(predicted: Predicted, tested: Tested) -> tuple[dict[str, NDArray[Any]], NDArray[np.int64]]:
-    """Predictions in the order of the split's test parts, and the truth beside them.
+    """Predictions in the order of the split's test parts, and the truth beside them; for other samples not looked at.
 
     Raises:
-        ValueError: a tested sample without prediction, a prediction for an unknown sample, a label that is no class.
+        ValueError: a tested sample without prediction, a label that is no class.
     """
     data, split = tested.data, tested.split
     labels = class_indices(predicted.labels, data.classes)
-    if unknown := set(predicted.ids.tolist()) - set(data.ids.tolist()):
-        raise ValueError(f"expected ids of {tested.dataset}, found {min(unknown)[:60]!r} ({len(unknown)} unknown)")
     rows = zip(predicted.ids.tolist(), predicted.folds.tolist(), strict=True)
     places = {name: at for at, name in enumerate(rows)}
     at, tests, folds, missing = [], [], [], []
@@ -163,7 +161,10 @@ def joined(predicted: Predicted, tested: Tested) -> tuple[dict[str, NDArray[Any]
             tests.append(sample)
             folds.append(number)
     if missing:
-        raise ValueError(f"{len(missing)} tested samples have no prediction, {missing[0]} first")
+        given = str(predicted.ids[0])[:60]
+        raise ValueError(
+            f"{len(missing)} tested samples have no prediction, {missing[0]} first; the file begins with {given!r}"
+        )
     rows_of = np.array(tests, np.int64)
     found = {
         "sample_id": data.ids[rows_of],

@@ -241,14 +241,17 @@ def test_predictions_are_scored_and_never_verified(hand_in, presses, table, tmp_
 def test_predictions_that_do_not_fit_the_data_fail_with_a_reason(hand_in, presses, table, tmp_path):
     cases = {
         "fewer": (handed(table["id"][1:], table["label"][1:]), "1 tested samples have no prediction"),
-        "other": (handed([*table["id"], "stranger"], [*table["label"], 0]), "'stranger'"),
+        "others": (handed(["stranger"], [0]), "begins with 'stranger'"),
+        "labels": (handed(table["id"], ["cat"] * len(table)), "found 'cat'"),
     }
     for name, (content, words) in cases.items():
         folder = hand_in(name, id=name, **content)
         record = evaluate_folder(folder, Terms(data=(presses,)), tmp_path / "out")[0]
         assert record.status.state == "failed"
         assert words in record.status.reason
-    assert len(read_records(tmp_path / "out")) == 2
+    assert len(read_records(tmp_path / "out")) == len(cases)
+    more = hand_in("more", id="more", **handed([*table["id"], "untested"], [*table["label"], 0]))
+    assert evaluate_folder(more, Terms(data=(presses,)), tmp_path / "out")[0].metrics[0].value == 1.0
 
 
 def test_a_bad_entry_leaves_the_others_their_records(hand_in, presses, tmp_path, capsys):
