@@ -21,6 +21,8 @@ _NO_NEW_PRIVS, _DUMPABLE = 38, 4
 _CREATE_RULESET, _RESTRICT_SELF = 444, 446
 _FILE_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15}
 """Number of file rights by Landlock version; 16 since the fifth."""
+_SHUTS_TCP = 4
+"""First Landlock version that does."""
 _READING = 0b1101
 """Rights to execute, to read a file and to read a folder; without the first nothing could be imported."""
 _OPEN_FILES = 32
@@ -42,6 +44,8 @@ def isolate() -> dict[str, str]:
     separated = kernel.unshare(_NEW_USER | _NEW_NET | _NEW_IPC) == 0
     found["network"] = (HELD if _no_way_out() else "not held: a route is left") if separated else _refused()
     found["writing"] = _shut(kernel, lambda every: every & ~_READING)
+    if found["network"] != HELD and found["writing"] == HELD and _version(kernel) >= _SHUTS_TCP:
+        found["network"] += "; TCP connections are shut"
     return found
 
 
@@ -75,12 +79,12 @@ def close_files() -> dict[str, str]:
 
 def _shut(kernel: Any, chosen: Callable[[int], int]) -> str:
     """Give up those file rights that `chosen` keeps of all that this kernel knows, TCP, and signals to others."""
-    version = kernel.syscall(_CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint32(1))
+    version = _version(kernel)
     if version < 1:
         return _refused()
     every = (1 << _FILE_RIGHTS.get(version, 16)) - 1
-    rules = _Ruleset(chosen(every), 3 if version >= 4 else 0, 3 if version >= 6 else 0)
-    size = 8 if version < 4 else 16 if version < 6 else 24
+    rules = _Ruleset(chosen(every), 3 if version >= _SHUTS_TCP else 0, 3 if version >= 6 else 0)
+    size = 8 if version < _SHUTS_TCP else 16 if version < 6 else 24
     handle = kernel.syscall(_CREATE_RULESET, ctypes.byref(rules), ctypes.c_size_t(size), ctypes.c_uint32(0))
     if handle < 0:
         return _refused()
@@ -88,6 +92,11 @@ def _shut(kernel: Any, chosen: Callable[[int], int]) -> str:
     refused = _refused()
     os.close(handle)
     return HELD if done == 0 else refused
+
+
+def _version(kernel: Any) -> int:
+    """Version of Landlock in this kernel, below 1 without."""
+    return int(kernel.syscall(_CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint32(1)))
 
 
 def _set(resource: Any, which: int, value: int) -> str:
