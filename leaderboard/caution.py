@@ -17,6 +17,7 @@ FEW = "fewer than ten groups: where groups differ much, nominal 95 % covers as l
 EDGE = "fewer than a hundred groups near 0 or 100 %: nominal 95 % covers 88 to 100 %, by how much groups differ"
 WIDE = "hardly any group differs, so the interval leans to the safe side: nominal 95 % covers 97 to 100 %"
 
+FEW_AND_UNEVEN = "fewer than ten groups: where a difference sits in few of them, nominal 95 % covers as little as 76 %"
 SOME = "fewer than twenty groups: where groups differ much, nominal 95 % covers 92 %"
 UNEVEN = "fewer than a hundred groups: where a difference sits in few of them, nominal 95 % covers 92 %"
 
@@ -29,7 +30,7 @@ def coverage_warning(method: str, groups: int, value: float, *, difference: bool
     if not method:
         return ""
     if groups < FEW_GROUPS:
-        return FEW
+        return FEW_AND_UNEVEN if difference else FEW
     if not difference and groups < MANY_GROUPS and not 1 - NEAR <= value <= NEAR:
         return EDGE
     if method in (WILSON_EFFECTIVE, WILSON_GROUPS, BONETT_PRICE):

@@ -23,7 +23,7 @@ BOOTSTRAP = "bootstrap over groups, expanded percentile"
 STUDENT = "Student t over groups"
 WILSON_EFFECTIVE = "Wilson on the effective sample size (too few groups differ to resample)"
 WILSON_GROUPS = "Wilson on the number of groups (all groups perfect, or all zero)"
-BONETT_PRICE = "Bonett-Price (too few groups differ to resample)"
+BONETT_PRICE = "Bonett-Price on the number of groups (too few differ to resample)"
 
 FEW_GROUPS = 10  # below this a bootstrap has too few distinct resamples; Student t takes over
 FEW_DIFFERING = 5  # with fewer groups off the common value, resampling does not see the tail
@@ -162,17 +162,14 @@ def _effective_size(g: Groups, level: float) -> float:
 
 
 def bonett_price(g: Groups) -> tuple[float, float]:
-    """Return centre and standard error of Bonett and Price's difference of paired proportions.
+    """Return centre and standard error of Bonett and Price's difference of paired proportions, groups as trials.
 
-    Trials are the groups. Of fewer than ten, all alike, they are the samples, docked for the groups being few: three
-    units in which two methods never differ tell more than three coin flips.
+    Samples may not stand in for few groups that show no difference: the next group may be the one that does.
     """
-    up, down, trials = float(g.means[g.means > 0].sum()), float(-g.means[g.means < 0].sum()), float(g.count)
-    if 1 < g.count < FEW_GROUPS:
-        trials = max(trials, g.n * (float(ndtri(0.975)) / float(stdtrit(g.count - 1, 0.975))) ** 2)
-        up, down = trials * max(g.mean, 0.0), trials * max(-g.mean, 0.0)
-    up, down = (up + 1) / (trials + 2), (down + 1) / (trials + 2)
-    return up - down, sqrt((up + down - (up - down) ** 2) / (trials + 2))
+    trials = g.count + 2
+    up = (float(g.means[g.means > 0].sum()) + 1) / trials
+    down = (float(-g.means[g.means < 0].sum()) + 1) / trials
+    return up - down, sqrt((up + down - (up - down) ** 2) / trials)
 
 
 def _scores(values: ArrayLike, name: str, low: float, high: float) -> FloatArray:

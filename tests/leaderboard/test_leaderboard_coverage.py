@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from leaderboard import statistics as st
-from leaderboard.caution import EDGE, FEW, SOME, WIDE, coverage_warning
+from leaderboard.caution import EDGE, FEW, FEW_AND_UNEVEN, SOME, WIDE, coverage_warning
 from leaderboard.coverage import HIGH, LOW, Coverage, Setting, coverage, settings
 
 REPEATS = 300
@@ -25,6 +25,7 @@ def test_the_warning_goes_with_few_groups_edges_and_safe_sides() -> None:
     assert coverage_warning(st.BOOTSTRAP, 270, 0.97) == ""
     assert coverage_warning(st.BOOTSTRAP, 27, 0.8) == ""
     assert coverage_warning(st.BOOTSTRAP, 10, 0.8) == SOME
+    assert coverage_warning(st.STUDENT, 6, 0.01, difference=True) == FEW_AND_UNEVEN
     assert coverage_warning("", 3, 0.5) == ""
 
 
