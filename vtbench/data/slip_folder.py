@@ -122,6 +122,8 @@ def _cells(path: Path) -> tuple[list[str], list[list[str]], int]:
         lines.pop()
     if not lines:
         raise ValueError(f"{path}: empty")
+    if len(lines[0]) == 1 and any(mark in lines[0][0] for mark in ";\t"):
+        raise ValueError(f"{path}: expected columns separated by commas, found a semicolon or a tab between them")
     heading = [] if all(_is_number(cell) for cell in lines[0]) else lines[0]
     body = lines[1:] if heading else lines
     width = len(lines[0])
