@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fusion.features import efficientnet_lite0, pixels, vgg16
+from fusion.features import efficientnet_lite0, pixels, vgg16, vt_vgg
 from fusion.features.weights_cache import downloaded_vgg16, kept_graph, packaged_efficientnet_lite0
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ class Backbone:
 
 def backbone_names() -> tuple[str, ...]:
     """Names that `get_backbone` knows; the first works offline."""
-    return ("efficientnet-lite0", "pixels", "vgg16")
+    return ("efficientnet-lite0", "pixels", "vgg16", "vt-vgg")
 
 
 def get_backbone(name: str, *, threads: int = 1, weights: Literal["pretrained", "random"] = "pretrained") -> Backbone:
@@ -109,6 +109,8 @@ def get_backbone(name: str, *, threads: int = 1, weights: Literal["pretrained", 
     "pixels" : 3072 numbers, no network: the image averaged to 32 x 32; what every other backbone must beat.
     "vgg16" : 512 features, the FVSight paper's; ImageNet weights through torchvision, network once; images
         keep their size. `weights="random"` is for measuring its speed where the weights cannot be had.
+    "vt-vgg" : 512 features; a small net trained on simulated presses of shapes that are not among the household
+        objects, see `vt_vgg.md`; offline.
 
     ValueError for an unknown name, with the closest known one.
     """
@@ -139,6 +141,9 @@ def get_backbone(name: str, *, threads: int = 1, weights: Literal["pretrained", 
         return Backbone(
             name, vgg16.DIM, "none", 0, "random", threads, lambda: vgg16.build(vgg16.random_weights()), _keep=False
         )
+    if name == "vt-vgg" and weights == "pretrained":
+        size, sha256 = vt_vgg.committed()
+        return Backbone(name, vt_vgg.DIM, "Apache-2.0", size, sha256, threads, vt_vgg.FILE.read_bytes, _keep=False)
     if name in backbone_names():
         raise ValueError(f"{name} has no weights {weights!r}; use 'pretrained' (vgg16 also has 'random').")
     close = difflib.get_close_matches(name, backbone_names(), n=1)

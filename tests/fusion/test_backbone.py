@@ -281,3 +281,19 @@ def test_pixels_are_means_over_squares():
     np.testing.assert_allclose(get_backbone("pixels").extract(images), squares.reshape(2, -1), atol=1e-6)
     even = np.full((1, 100, 60, 3), 51, np.uint8)
     np.testing.assert_allclose(get_backbone("pixels").extract(even), 0.2, atol=1e-6)
+
+
+def test_vt_vgg_is_committed_small_and_tells_how_it_was_made(cache):
+    found = get_backbone("vt-vgg")
+    assert found.dim == 512
+    assert found.size_bytes <= 8_000_000
+    model = found.onnx_model()
+    story = {entry.key: entry.value for entry in model.metadata_props}
+    assert story["command"].startswith("vtbench train-backbone --seed")
+    assert len(story["training_data_sha256"]) == 64
+    images = noise(3)
+    whole = found.extract(images)
+    assert whole.shape == (3, 512)
+    for i, image in enumerate(images):
+        np.testing.assert_array_equal(found.extract(image[None])[0], whole[i])
+    assert np.linalg.norm(whole[0] - whole[1]) > 0.01 * np.linalg.norm(whole[0])
