@@ -130,6 +130,7 @@ def test_what_is_read_is_what_was_written(tmp_path):
     ("spoil", "message"),
     [
         (lambda root: (root / "slip" / "mug_01.csv").write_text(""), "mug_01.csv: empty"),
+        (lambda root: (root / "rest" / "a_1.csv").write_text("1;2;3\n" * 30), "expected columns separated by commas"),
         (lambda root: edit(root / "slip" / "mug_01.csv", 5, "1,2,3,4,5,x,0"), "line 5, column 'f6': expected"),
         (
             lambda root: edit(root / "slip" / "mug_01.csv", 5, "1,2,3,4,5,nan,0"),
