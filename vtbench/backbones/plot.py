@@ -20,6 +20,7 @@ def draw_error_against_speed(path: Path, found: Sequence[Score], ms_of: Mapping[
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import FixedLocator, NullLocator
 
     protocols = list(dict.fromkeys(score.protocol for score in found))
     if not protocols:
@@ -44,9 +45,14 @@ def draw_error_against_speed(path: Path, found: Sequence[Score], ms_of: Mapping[
         task, variant, split, modality = protocol
         axes.set_title(f"{task}, {variant}\n{split}, {modality}", fontsize=8.5)
         axes.set(xscale="log", yscale="log", ylim=(_LEAST_ERROR * 0.8, 130))
-        axes.grid(alpha=0.25, linewidth=0.5, which="both")
-    for axes in grid[-1]:
+        axes.grid(alpha=0.3, linewidth=0.5)
+        for axis, ticks in ((axes.xaxis, (1, 2, 5, 10, 20, 50, 100, 200, 500)), (axes.yaxis, (0.1, 1, 10, 100))):
+            axis.set_major_locator(FixedLocator(ticks))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_locator(NullLocator())
+    for axes in grid.flat[max(0, len(protocols) - columns) : len(protocols)]:
         axes.set_xlabel("CPU ms a frame, one thread")
+        axes.tick_params(labelbottom=True)
     for axes in grid[:, 0]:
         axes.set_ylabel("error, %")
     _legend(figure, backbones, methods)
