@@ -12,6 +12,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from vtbench.data.croissant import croissant_problem
 from vtbench.data.format import META_FILE, PRESSES, arrow_schema
 from vtbench.data.integrity import column_problem, dataset_problems, shard_problem
 from vtbench.data.meta import DatasetMeta, ShardEntry, read_meta
@@ -39,6 +40,8 @@ def check_dataset(path: Path | str) -> list[str]:
         if shard_problem(folder, shard, checksums=False) is None:
             problems += check_shard(folder / shard.name, shard, meta, ids)
     problems += [f"id {name!r} is given to {count} samples" for name, count in ids.items() if count > 1]
+    if not problems and (stale := croissant_problem(folder, meta)) is not None:
+        problems.append(stale)  # of a damaged dataset it would only say that again
     return problems
 
 

@@ -11,6 +11,7 @@ import pyarrow as pa
 SCHEMA_VERSION = 1
 META_FILE = "dataset.json"
 PARTIAL_FILE = "dataset.partial.json"
+CROISSANT_FILE = "croissant.json"
 SAMPLES_PER_SHARD = 27
 
 PRESSES = ("deep", "shallow")
@@ -46,8 +47,8 @@ _SCALARS: dict[str, pa.DataType] = {
 }
 NULLABLE = ("onset",)
 """Columns in which a missing value means something: a trial without gross slip has no onset."""
-_IMAGE = pa.struct([pa.field("bytes", pa.binary()), pa.field("path", pa.string())])
-_LISTS = {"state": pa.uint8(), "frames": _IMAGE, "frame_time_s": pa.float64()}
+IMAGE = pa.struct([pa.field("bytes", pa.binary()), pa.field("path", pa.string())])
+_LISTS = {"state": pa.uint8(), "frames": IMAGE, "frame_time_s": pa.float64()}
 
 SIMULATED_COLUMNS = (
     *("id", "object", "label", "press", "unit", "session", "round", "seed", "image", "image_rest"),
@@ -79,7 +80,7 @@ def column_type(name: str, n_taxels: int, truth: Mapping[str, Sequence[int]]) ->
     if name in _SCALARS:
         return _SCALARS[name]
     if name in ("image", "image_rest"):
-        return _IMAGE
+        return IMAGE
     if name in ("force", "taxel_load"):
         return fixed_list(pa.float32(), n_taxels)
     if name in _LISTS:
@@ -108,7 +109,7 @@ def arrow_schema(
 
 def _hugging_face(kind: pa.DataType) -> dict[str, Any]:
     """Description of an Arrow type in the form that Hugging Face `datasets` keeps in a Parquet schema."""
-    if kind == _IMAGE:
+    if kind == IMAGE:
         return {"_type": "Image"}
     if pa.types.is_fixed_size_list(kind):
         return {"feature": _hugging_face(kind.value_type), "length": kind.list_size, "_type": "Sequence"}

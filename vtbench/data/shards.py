@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
+from vtbench.data.croissant import croissant_problem, croissant_text
 from vtbench.data.files import (
     make_folder,
     only_writer,
@@ -18,7 +19,7 @@ from vtbench.data.files import (
     write_text,
     write_whole,
 )
-from vtbench.data.format import META_FILE, PARTIAL_FILE, arrow_schema, shard_name
+from vtbench.data.format import CROISSANT_FILE, META_FILE, PARTIAL_FILE, arrow_schema, shard_name
 from vtbench.data.meta import DatasetMeta, Plan, Progress, ShardEntry, first_difference, read_meta, read_model
 from vtbench.data.table import Row, build_table, write_parquet
 
@@ -46,6 +47,8 @@ def write_shards(
         done = {entry.name: entry for entry in _kept(out, plan)}
         todo = [number for number in range(plan.n_shards) if shard_name(number) not in done]
         if not todo and (out / META_FILE).is_file():
+            if croissant_problem(out, meta := read_meta(out)):
+                write_text(out / CROISSANT_FILE, croissant_text(meta))
             return out
         _save(out / PARTIAL_FILE, Progress(plan=plan, shards=_in_order(done.values())))
         (out / META_FILE).unlink(missing_ok=True)
@@ -57,7 +60,9 @@ def write_shards(
                     advance(entry.rows)
         finally:
             remove_temporaries(out)
-        _save(out / META_FILE, DatasetMeta.of(plan, _in_order(done.values())))
+        meta = DatasetMeta.of(plan, _in_order(done.values()))
+        write_text(out / CROISSANT_FILE, croissant_text(meta))
+        _save(out / META_FILE, meta)
         (out / PARTIAL_FILE).unlink(missing_ok=True)
     return out
 
@@ -156,7 +161,7 @@ def _save(path: Path, model: Progress | DatasetMeta) -> None:
 
 def _clear(out: Path) -> None:
     """Remove what a dataset consists of, and nothing else."""
-    for path in (*out.glob("shard-*.parquet"), out / META_FILE, out / PARTIAL_FILE):
+    for path in (*out.glob("shard-*.parquet"), *(out / name for name in (META_FILE, PARTIAL_FILE, CROISSANT_FILE))):
         path.unlink(missing_ok=True)
 
 
