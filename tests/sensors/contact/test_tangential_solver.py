@@ -53,7 +53,7 @@ def test_sphere_follows_cattaneo_and_mindlin(nu, share):
 
 
 def test_traction_of_cattaneo_converges_with_the_grid():
-    """Root mean square error at nu = 0, where the closed form is exact: falls with the grid, below 0.15 % of mu p0 at 128."""
+    """RMS error at nu = 0, where the closed form is exact: falls with the grid, under 0.15 % of mu p0 at 128."""
     errors = []
     for n in (32, 64, 128):
         exact, compliance, pressure, r = on_half_space(0.0, n)
