@@ -86,8 +86,8 @@ def croissant(meta: DatasetMeta) -> dict[str, Any]:
     schema = arrow_schema(meta.columns, meta.n_taxels, meta.truth, meta.classes)
     source = meta.source or {}
     licence = _APACHE if meta.kind == "simulated" else source.get("license")
-    cite = f"{meta.name}, seed {meta.seed}, vtbench {meta.generator.get('vtbench', '')}"
-    cite = cite if meta.kind == "simulated" else source.get("citation")
+    ours = f"{meta.name}, seed {meta.seed}, vtbench {meta.generator.get('vtbench', '')}"
+    cite = ours if meta.kind == "simulated" else source.get("citation")
     return {
         "@context": _CONTEXT,
         "@type": "sc:Dataset",

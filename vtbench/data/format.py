@@ -100,8 +100,13 @@ def arrow_schema(
 ) -> pa.Schema:
     """Parquet schema of every shard; its metadata tells Hugging Face `datasets` how to decode the images."""
     fields = [pa.field(name, column_type(name, n_taxels, truth)) for name in columns]
+    return hugging_face_schema(fields, classes if "label" in columns else ())
+
+
+def hugging_face_schema(fields: Sequence[pa.Field], classes: Sequence[str] = ()) -> pa.Schema:
+    """Schema whose metadata tells Hugging Face `datasets` of the images, and of the names of `label`."""
     features: dict[str, Any] = {field.name: _hugging_face(field.type) for field in fields}
-    if "label" in features:
+    if classes:
         features["label"] = {"names": list(classes), "_type": "ClassLabel"}
     note = json.dumps({"info": {"features": features}}, sort_keys=True, separators=(",", ":"))
     return pa.schema(fields, metadata={"huggingface": note})
