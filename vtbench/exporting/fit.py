@@ -136,6 +136,8 @@ def fit_order(samples: Samples, order: Order) -> Fitted:
     name = order.split or next(iter(splits))
     if name not in splits:
         raise unknown(f"split of {task.id}, variant {variant}:", name, splits)
+    if task.variants[variant].stand_ins:
+        raise ValueError(f"{task.id}, {variant} breaks its own samples on purpose; export {next(iter(task.variants))}")
     feed = task.modalities[modality]
     if method.joint and len(feed.blocks) < 2:
         raise ValueError(f"{method.id} joins two modalities and {modality} is one; use ksc, or a fused modality")

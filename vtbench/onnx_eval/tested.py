@@ -194,6 +194,8 @@ def _variant(task: Task, variant: str | None) -> str:
         return next(iter(task.variants))
     if variant not in task.variants:
         raise unknown(f"variant of {task.id}", variant, task.variants)
+    if task.variants[variant].stand_ins:
+        raise ValueError(f"{task.id}, {variant}, changes features inside a run: models see recordings as they are")
     return variant
 
 

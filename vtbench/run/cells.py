@@ -159,6 +159,10 @@ def _params(
         params["weights"] = [list(pair) for pair in WEIGHT_CHOICES] if chosen else "equal"
     if any(block.from_frames for block in feed.blocks):
         params.update(backbone)
+    stand_ins = task.variants[variant].stand_ins
+    read = {block.name: stand_ins[block.name] for block in feed.blocks if block.name in stand_ins}
+    if read:
+        params["stand_ins"] = {block: [way.train or block, way.test or block] for block, way in read.items()}
     if role == "law":
         params["law"] = task.variants[variant].laws[name]
     return params

@@ -37,12 +37,13 @@ class Setting:
 
 @dataclass(frozen=True)
 class Prepared:
-    """A classifier, unfitted, and what it is fitted on and tested with."""
+    """A classifier, unfitted, what it is fitted on and tested with, and where each block stands in that."""
 
     classifier: Classifier
     train: Floats
     test: Floats
     reduce_us: float
+    groups: Mapping[str, slice]
 
 
 def choose(
@@ -111,11 +112,18 @@ def prepare(method: Method, feed: Feed, reducer: Reducer, setting: Setting, trai
     }
     scales = [1.0 if method.weighs_groups else setting.weights[block.name] for block in feed.blocks]
     return Prepared(
-        method.build(groups, setting.weights, setting.params),
+        method.build(groups, setting.weights, within(setting.params, len(train))),
         np.hstack([part.train * scale for part, scale in zip(parts, scales, strict=True)]),
         np.hstack([part.test * scale for part, scale in zip(parts, scales, strict=True)]),
         sum(part.us_per_sample for part in parts),
+        groups,
     )
+
+
+def within(params: Mapping[str, Any], n: int) -> dict[str, Any]:
+    """Parameters with no more neighbours than the `n` training samples."""
+    most = {"n_neighbors": min(params["n_neighbors"], n)} if "n_neighbors" in params else {}
+    return {**params, **most}
 
 
 def inner_folds(labels: NDArray[np.int64], groups: Factor | None, seed: int) -> list[tuple[Rows, Rows]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import time
 from collections.abc import Mapping
@@ -12,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leaderboard.record import State
-from vtbench.run.choose import choose, prepare
+from vtbench.run.choose import Prepared, Setting, choose, prepare
 from vtbench.run.methods.base import Method
 from vtbench.run.reduce import Reducer
-from vtbench.tasks.base import Features, Feed, Split
+from vtbench.tasks.base import Factor, Features, Feed, Split
 
 
 @dataclass(frozen=True)
@@ -24,8 +25,11 @@ class Work:
 
     Attributes:
         samples: name of the samples; cells with equal names share what is remembered of their blocks.
-        blocks: block name -> features (n, columns).
+        blocks: block name -> features (n, columns), or (2 n, columns): as trained, then as tested.
         labels, ids: (n,).
+        trained: name of what the training rows hold; cells with equal names, folds and methods choose alike.
+        tested_from: row of `blocks` from which test rows are counted.
+        missing: blocks that the test part lacks.
     """
 
     key: str
@@ -39,6 +43,9 @@ class Work:
     n_classes: int
     seed: int
     timeout_s: float
+    trained: str = ""
+    tested_from: int = 0
+    missing: tuple[str, ...] = ()
 
     def evaluate(self) -> Outcome:
         """Run the cell; see `evaluate`."""
@@ -61,6 +68,7 @@ class Outcome:
 
 
 _reducers: dict[tuple[str, str], Reducer] = {}
+_settings: dict[str, Setting] = {}
 
 
 def evaluate(work: Work) -> Outcome:
@@ -79,12 +87,13 @@ def evaluate(work: Work) -> Outcome:
             known = np.random.default_rng([work.seed, number]).permutation(known)
         inner = work.split.inner_groups
         apart = None if inner is None else inner[fold.train]
-        setting = choose(work.method, work.feed, reducer, fold.train, known, apart, work.seed)
-        made = prepare(work.method, work.feed, reducer, setting, fold.train, fold.test)
+        setting = _setting(work, reducer, fold.train, known, apart)
+        made = prepare(work.method, work.feed, reducer, setting, fold.train, fold.test + work.tested_from)
+        lacking = _take_away(work, made, setting)
         start = time.perf_counter()
         made.classifier.fit(made.train, known, **({"groups": apart} if work.method.learns else {}))
         fitted = time.perf_counter()
-        predicted = _labels(made.classifier.predict(made.test), len(fold.test), work.n_classes)
+        predicted = _labels(made.classifier.predict(made.test, **lacking), len(fold.test), work.n_classes)
         done = time.perf_counter()
         fit_s.append(fitted - start)
         predict_s += done - fitted
@@ -93,7 +102,7 @@ def evaluate(work: Work) -> Outcome:
         ids.append(work.ids[fold.test])
         groups.append(work.split.interval_groups[fold.test])
         fold_of.append(np.full(len(fold.test), number, np.int32))
-        scores.append(_scores(made.classifier, made.test, work.n_classes))
+        scores.append(_scores(made.classifier, made.test, work.n_classes, lacking))
         choices.append(json.dumps(setting.as_json(), sort_keys=True))
     predictions: dict[str, NDArray[Any]] = {
         "sample_id": np.concatenate(ids),
@@ -113,6 +122,37 @@ def evaluate(work: Work) -> Outcome:
         predict_us=predict_s / tested * 1e6 + float(np.mean(reduce_us)),
         batch=max(1, round(tested / len(work.split.folds))),
     )
+
+
+def _setting(
+    work: Work, reducer: Reducer, train: NDArray[np.int64], known: NDArray[np.int64], apart: Factor | None
+) -> Setting:
+    """The choice on a training part, made once for all variants that differ in their test part alone."""
+    if not work.trained or work.feed.shuffle_labels:
+        return choose(work.method, work.feed, reducer, train, known, apart, work.seed)
+    about = (work.trained, work.method.id, work.method.identity(), work.feed, work.split.name, work.seed)
+    name = hashlib.sha256(repr(about).encode() + train.tobytes()).hexdigest()
+    if name not in _settings:
+        _settings[name] = choose(work.method, work.feed, reducer, train, known, apart, work.seed)
+    return _settings[name]
+
+
+def _take_away(work: Work, made: Prepared, setting: Setting) -> dict[str, Any]:
+    """Set what is missing to the training mean, and say what `predict` is told of it.
+
+    Sparse coding with a weight for each modality gives it weight 0, and weight 1 to what is left where a choice had
+    left that out; nets are told by name; any other method sees the training mean.
+    """
+    if not work.missing:
+        return {}
+    for name in work.missing:
+        made.test[:, made.groups[name]] = 0.0
+    if work.method.weighs_groups:
+        left = {name: weight for name, weight in setting.weights.items() if name not in work.missing}
+        if not any(left.values()):
+            left = dict.fromkeys(left, 1.0)
+        return {"weights": {**dict.fromkeys(work.missing, 0.0), **left}} if left else {}
+    return {"missing": work.missing} if work.method.learns and len(work.missing) < len(work.feed.blocks) else {}
 
 
 def _reducer(work: Work) -> Reducer:
@@ -141,7 +181,7 @@ def _labels(predicted: Any, n: int, n_classes: int) -> NDArray[np.int32]:
     return values.astype(np.int32)
 
 
-def _scores(classifier: Any, x: NDArray[Any], n_classes: int) -> NDArray[np.float32] | None:
+def _scores(classifier: Any, x: NDArray[Any], n_classes: int, lacking: Mapping[str, Any]) -> NDArray[np.float32] | None:
     """(q, n_classes) scores by `decision_function` or `predict_proba`; None where the classifier has neither.
 
     Raises:
@@ -152,7 +192,7 @@ def _scores(classifier: Any, x: NDArray[Any], n_classes: int) -> NDArray[np.floa
         known = getattr(classifier, "classes_", None)
         if score is None or known is None:
             continue
-        values = np.asarray(score(x), np.float32)
+        values = np.asarray(score(x, **lacking), np.float32)
         if values.shape == (len(x), len(known)):
             if np.isnan(values).any():
                 raise ValueError(f"{name}() gave NaN")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fusion.features import ModalityPCA
-from vtbench.run.choose import Setting
+from vtbench.run.choose import Setting, within
 from vtbench.run.methods.base import Classifier, Method
 from vtbench.run.reduce import Floats, unit_scale
 from vtbench.tasks.base import Block, Factor, Features, Feed
@@ -80,7 +80,7 @@ def fit_pipeline(
         train.append(fitted.apply(features[block.name]))
         groups[block.name] = slice(start, start := start + train[-1].shape[1])
         blocks[block.name] = fitted
-    classifier = method.build(groups, setting.weights, setting.params)
+    classifier = method.build(groups, setting.weights, within(setting.params, len(labels)))
     classifier.fit(np.hstack(train), labels, **({"groups": apart} if method.learns else {}))
     return FittedPipeline(blocks, classifier)
 

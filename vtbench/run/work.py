@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from vtbench.run.cells import Cell
 from vtbench.run.detection.detect import DetectionWork
 from vtbench.run.evaluate import Work
 from vtbench.run.methods import Method
-from vtbench.tasks.base import NotPossibleError, Split, TaskData
+from vtbench.tasks.base import MISSING, Features, NotPossibleError, Split, StandIn, TaskData, Variant
 from vtbench.tasks.slides import SlideData, SlipTask
 
 
@@ -22,7 +24,10 @@ def works_of(cells: Sequence[Cell], data: TaskData) -> tuple[list[Work | Detecti
             name = cell.identity.split
             if name not in splits:
                 splits[name] = cell.task.variants[cell.identity.variant].splits[name](data, cell.identity.seed)
-            blocks = {block.name: data.block(block.name) for block in cell.feed.blocks}
+            blocks = {
+                block.name: read_block(data, block.name, cell.task.variants[cell.identity.variant])
+                for block in cell.feed.blocks
+            }
         except NotPossibleError as error:
             impossible[cell.key] = str(error)
             continue
@@ -34,6 +39,8 @@ def works_of(cells: Sequence[Cell], data: TaskData) -> tuple[list[Work | Detecti
             )
             continue
         assert isinstance(cell.method, Method)
+        stand_ins = cell.task.variants[cell.identity.variant].stand_ins
+        trained = sorted((name, way.train) for name, way in stand_ins.items() if way.train)
         works.append(
             Work(
                 key=cell.key,
@@ -47,6 +54,27 @@ def works_of(cells: Sequence[Cell], data: TaskData) -> tuple[list[Work | Detecti
                 n_classes=len(data.classes),
                 seed=cell.identity.seed,
                 timeout_s=cell.timeout_s,
+                trained="|".join((cell.identity.task, cell.identity.dataset_hash, cell.backbone, str(trained))),
+                tested_from=len(data) if stand_ins else 0,
+                missing=tuple(
+                    block.name
+                    for block in cell.feed.blocks
+                    if block.name in stand_ins and stand_ins[block.name].test == MISSING
+                ),
             )
         )
     return works, impossible
+
+
+def read_block(data: TaskData, name: str, variant: Variant) -> Features:
+    """Features (n, columns) of a block; (2 n, columns) where the variant reads stand-ins: as trained, then as tested.
+
+    Raises:
+        NotPossibleError: the data do not hold what is read.
+    """
+    if not variant.stand_ins:
+        return data.block(name)
+    way = variant.stand_ins.get(name, StandIn())
+    trained = data.block(way.train or name)
+    tested = trained if way.test == MISSING else data.block(way.test or name)
+    return np.concatenate([trained, tested])

@@ -2,10 +2,14 @@
 
 from vtbench.registry import Registry
 from vtbench.tasks import (
+    few_shot,
+    granularity,
     grasp_biotacsp,
     objects_deep,
     objects_interference,
     objects_pose,
+    pairing,
+    robustness,
     slip_fvsight,
     slip_hard,
     texture_fabricslide16,
@@ -18,6 +22,10 @@ _FILES = (
     objects_deep,
     objects_interference,
     objects_pose,
+    pairing,
+    robustness,
+    granularity,
+    few_shot,
     texture_fabricslide16,
     slip_fvsight,
     slip_hard,

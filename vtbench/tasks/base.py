@@ -165,6 +165,22 @@ SplitRule = Callable[[TaskData, int], Split]
 
 
 @dataclass(frozen=True)
+class StandIn:
+    """Names of the blocks that are read in place of one: None is the block itself.
+
+    Attributes:
+        train: for training, and for all that is chosen there.
+        test: for the test part; `MISSING` takes the modality away.
+    """
+
+    train: str | None = None
+    test: str | None = None
+
+
+MISSING = "missing"
+
+
+@dataclass(frozen=True)
 class Variant:
     """One protocol of a task.
 
@@ -172,11 +188,13 @@ class Variant:
         about: one line for listings.
         splits: rule of each split, by name.
         laws: what a feed's accuracy must be on this variant, whatever the method.
+        stand_ins: by block, what is read in its place.
     """
 
     about: str
     splits: Mapping[str, SplitRule]
     laws: Mapping[str, Literal["perfect", "chance"]] = field(default_factory=dict)
+    stand_ins: Mapping[str, StandIn] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,116 @@
+"""How much does fusion need frame and force to belong together?
+
+Data: deep presses; the force of a frame is replaced, before learning and testing alike, so that a variant is a pair of
+sensors that is badly paired for good. The object's label always belongs to the frame.
+
+- `time-X`: force of another moment; the clocks of a press differ by up to X ms, drawn for each press. The load stands
+  still for 200 ms about the frame, so that only larger errors reach approach and release.
+- `place-X`: force of another press of the object, X mm away as nearly as the presses allow.
+- `press-other`: force of any other press of the object. `class-other`: of another object, the control: no method
+  can gain from it, and one that listens to it loses.
+- `test-press`, `test-class`: the same two, but the training pairs are right.
+
+Partners are of the same sensor and the same half of its presses, so that no force crosses from training to test.
+Splits: each half of an object's presses tested by the other (every press once), and each sensor unit held out.
+Target, metrics, intervals: as `objects/deep/v1`. The force alone is no control here: it keeps its own label except in
+`class-other`. Lines to compare with: `image-change` and `force` on `paired`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from vtbench.tasks.base import FeatureCache, Features, Feed, StandIn, Task, TaskData, Variant
+from vtbench.tasks.mispairing import another, clock_errors, force_at, nearest_distance, of_another_class
+from vtbench.tasks.presses import CHANGE, FORCE, PROBES, load_presses
+from vtbench.tasks.splits import held_out
+from vtbench.tasks.study_splits import half_of, halves, pools
+
+TIMES_MS = (100, 200, 300, 400)
+PLACES_MM = (2, 4, 8)
+SEED = 1
+SPLITS = {"random": halves, "held-out-unit": held_out("unit")}
+
+
+def _load(path: Path, features: FeatureCache, backbone: str) -> TaskData:
+    data = load_presses(path, features, backbone, press="deep")
+    made = {f"force~time-{ms}ms": partial(_other_moment, path, ms) for ms in TIMES_MS}
+    made |= {f"force~place-{mm}mm": partial(_other_place, path, data, mm) for mm in PLACES_MM}
+    made |= {"force~press": partial(_other_press, path, data), "force~class": partial(_other_class, path, data)}
+    return replace(data, sources={**data.sources, **made})
+
+
+def _other_moment(path: Path, ms: int) -> Features:
+    from vtbench.data import Dataset
+
+    dataset = Dataset.open(path, verify=False)
+    table = dataset.columns(["id", "rate_hz", "image_time_s"])
+    moments = table["image_time_s"].to_numpy() + clock_errors(table["id"].tolist(), ms / 1e3)
+    return force_at(dataset.force_series(), table["rate_hz"].to_numpy(), moments)
+
+
+def _other_place(path: Path, data: TaskData, mm: int) -> Features:
+    places = np.stack([data.factor("pose_x_mm"), data.factor("pose_y_mm")], 1)
+    return _taken_from(path, data, nearest_distance(_same_object(data), places, mm))
+
+
+def _other_press(path: Path, data: TaskData) -> Features:
+    return _taken_from(path, data, another(_same_object(data), SEED))
+
+
+def _other_class(path: Path, data: TaskData) -> Features:
+    return _taken_from(path, data, of_another_class(pools(half_of(data), *_unit(data)), data.labels, SEED))
+
+
+def _same_object(data: TaskData) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    return pools(data.labels, half_of(data), *_unit(data))
+
+
+def _unit(data: TaskData) -> list[np.ndarray[tuple[int], np.dtype[np.int64]]]:
+    return [data.factors["unit"]] if "unit" in data.factors else []
+
+
+def _taken_from(path: Path, data: TaskData, partner: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Features:
+    """Forces of the whole dataset, with those of the task's samples replaced by their partners'."""
+    from vtbench.data import Dataset
+
+    own = Dataset.open(path, verify=False).force()
+    given = own.copy()
+    given[data.rows] = own[data.rows[partner]]
+    return given
+
+
+def _both(about: str, block: str) -> Variant:
+    return Variant(about, SPLITS, stand_ins={FORCE.name: StandIn(train=block, test=block)})
+
+
+def _test_only(about: str, block: str) -> Variant:
+    return Variant(about, SPLITS, stand_ins={FORCE.name: StandIn(test=block)})
+
+
+TASK = Task(
+    id="pairing/v1",
+    about="name the pressed object while frame and force belong together less and less",
+    reads="presses",
+    load=_load,
+    variants={
+        "paired": Variant("frame and force of one press, as recorded", SPLITS),
+        **{f"time-{ms}ms": _both(f"clocks differ by up to {ms} ms", f"force~time-{ms}ms") for ms in TIMES_MS},
+        **{f"place-{mm}mm": _both(f"force of a press about {mm} mm away", f"force~place-{mm}mm") for mm in PLACES_MM},
+        "press-other": _both("force of any other press of the object", "force~press"),
+        "class-other": _both("force of another object: the control", "force~class"),
+        "test-press": _test_only("learnt on right pairs, tested with another press of the object", "force~press"),
+        "test-class": _test_only("learnt on right pairs, tested with the force of another object", "force~class"),
+    },
+    modalities={
+        "force": Feed((FORCE,)),
+        "image-change": Feed((CHANGE,)),
+        "fused-change": Feed((CHANGE, FORCE), weights="chosen"),
+        "fused-change-equal": Feed((CHANGE, FORCE)),
+    },
+    probes=PROBES,
+)
