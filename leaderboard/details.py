@@ -61,7 +61,7 @@ def plain(value: Any) -> str:
 
 def _detail(record: Record, row: Row, place: int, times: int) -> Detail:
     who, given = record.identity, record.submission
-    names = (title(METHODS, who.method), title(MODALITIES, who.modality), who.variant, title(SPLITS, who.split))
+    names = (title(METHODS, who.method), title(MODALITIES, row["modality"]), who.variant, title(SPLITS, who.split))
     if given is not None:
         names = (given.title, *names[1:])
     warnings = [row["probe"], row["coverage"] and f"95 % interval: {row['coverage']}"]

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from leaderboard.caution import coverage_warning
-from leaderboard.names import METHODS, MODALITIES, ROLES, SPLITS, VARIANTS, order
+from leaderboard.names import METHODS, MODALITIES, ROLES, SPLITS, VARIANTS, fed_with, order
 from leaderboard.record import Metric, Record, canonical_json
 from leaderboard.submission import STATUSES
 
@@ -121,7 +121,7 @@ def _order(record: Record) -> tuple[object, ...]:
         who.dataset_hash,
         record.submission is not None and STATUSES.index(record.submission.status),
         ROLES.index(who.role),
-        order(MODALITIES, who.modality),
+        order(MODALITIES, fed_with(who.modality, who.params)),
         order(METHODS, who.method),
         order(SPLITS, who.split),
         record.key,
@@ -135,6 +135,7 @@ def _row(record: Record) -> Row:
     row |= {
         **dict.fromkeys(_TEXTS, ""),
         "key": record.key,
+        "modality": fed_with(who.modality, who.params),
         "params": canonical_json(who.params),
         "standing": record.submission.status if record.submission else "",
         "submission": record.submission.title if record.submission else "",

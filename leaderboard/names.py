@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from typing import Any
 
 CLASSIFIERS = {
     "ksc": "KSC",
@@ -12,6 +14,8 @@ CLASSIFIERS = {
     "wknn": "weighted kNN",
     "ipca-wknn": "incremental PCA + weighted kNN",
     "svm": "SVM",
+    "late-fusion": "network, late fusion",
+    "fusion-transformer": "network, transformer",
 }
 DETECTORS = {
     "covariance": "covariance",
@@ -33,6 +37,9 @@ MODALITIES = {
     "fused": "force + image",
     "fused-equal": "force + image, equal",
     "fused-change": "force + image change",
+    "pixels-change": "pixels of the change",
+    "fused-pixels": "force in time + pixels",
+    "fused-pixels-change": "force in time + pixels of the change",
     "force-series": "force in time",
     "force-series-image": "force in time + image",
     "spectrum": "spectrum",
@@ -62,18 +69,31 @@ SPLITS = {
 VARIANTS = ("paper", "default", "hard", "public", "own", "no-variation")
 ROLES = ("method", "upper-line", "probe", "law")
 
+USUAL_BACKBONE = "efficientnet-lite0"
+"""Features of frames come from it where nothing else is said."""
+BY = "@"
+"""Between a feed and the backbone of its frames."""
+
 Key = tuple[int, tuple[int | float, str], str]
 
 
 def title(kind: dict[str, str], name: str) -> str:
-    """Return the title of an id in METHODS, MODALITIES or SPLITS, or the id itself."""
-    return kind.get(name, name)
+    """Return the title of an id in METHODS, MODALITIES or SPLITS, or the id itself; a feed's backbone in brackets."""
+    plain, _, backbone = name.partition(BY)
+    return f"{kind.get(plain, plain)} ({backbone})" if backbone else kind.get(name, name)
+
+
+def fed_with(modality: str, params: Mapping[str, Any]) -> str:
+    """Return a feed's id with the backbone of its frames where that is not the usual one: `image@vt-vgg`."""
+    backbone = params.get("backbone", USUAL_BACKBONE)
+    return modality if backbone == USUAL_BACKBONE else f"{modality}{BY}{backbone}"
 
 
 def order(known: dict[str, str] | tuple[str, ...], name: str) -> Key:
     """Return a sort key: known ids in their order, then the rest by the number in them, then by name."""
     names = tuple(known)
-    place = names.index(name) if name in names else len(names)
+    plain = name.partition(BY)[0]
+    place = names.index(plain) if plain in names else len(names)
     return place, natural(name), name
 
 

@@ -10,6 +10,7 @@ from math import hypot
 from scipy.special import ndtr, ndtri
 
 from leaderboard.caution import coverage_warning
+from leaderboard.names import fed_with
 from leaderboard.paired import MARGIN, Comparison, Verdict, compare_groups, verdicts
 from leaderboard.record import Record
 from leaderboard.statistics import Interval
@@ -42,7 +43,7 @@ class Versus:
 
 def name_of(record: Record) -> str:
     """Return `method@modality`, as `vtbench compare --methods` takes it."""
-    return f"{record.identity.method}@{record.identity.modality}"
+    return f"{record.identity.method}@{fed_with(record.identity.modality, record.identity.params)}"
 
 
 def within(records: Iterable[Record], names: Sequence[str] = ()) -> list[Pair]:
@@ -195,7 +196,7 @@ def _known(names: Sequence[str], records: Sequence[Record]) -> None:
 def _cell(record: Record, crossed: bool = False) -> tuple[str, ...]:
     who = record.identity
     protocol = (who.task, who.variant, who.split)
-    return protocol if crossed else (*protocol, who.method, who.modality)
+    return protocol if crossed else (*protocol, who.method, fed_with(who.modality, who.params))
 
 
 def protocol_of(record: Record) -> tuple[str, ...]:

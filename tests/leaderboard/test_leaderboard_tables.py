@@ -7,7 +7,7 @@ import pytest
 from leaderboard.audit import laws_table, missing, probe_warning, probes_table, too_easy
 from leaderboard.curves import pose_curve, speed_table
 from leaderboard.frame import latest, records_frame, records_of
-from leaderboard.names import METHODS, VARIANTS, order
+from leaderboard.names import METHODS, MODALITIES, VARIANTS, order, title
 from leaderboard.paper import FIGURES, TABLE_II, TABLE_III, TABLE_IV
 from leaderboard.record import Record, Verdict
 from leaderboard.tables import paper_tables, task_tables
@@ -69,6 +69,16 @@ def test_of_records_that_differ_in_seed_the_latest_stands(make_record: RecordFac
 
 def _paper(table_frame: object) -> dict[tuple[str, str], dict[str, object]]:
     return {(row["modality"], row["method"]): row for row in records_of(table_frame)}  # type: ignore[arg-type]
+
+
+def test_backbones_of_one_feed_are_rows_of_their_own(make_record: RecordFactory) -> None:
+    usual = make_record(0.6, variant="default", modality="image", params={"backbone": "efficientnet-lite0"})
+    other = make_record(0.9, variant="default", modality="image", params={"backbone": "vt-vgg"})
+    frame = latest(records_frame([other, usual]))
+    assert frame["modality"].tolist() == ["image", "image@vt-vgg"]
+    (table,) = task_tables(frame)
+    assert sorted(table.frame["modality"]) == ["image", "image@vt-vgg"]
+    assert title(MODALITIES, "image@vt-vgg") == "image (vt-vgg)"
 
 
 def test_paper_table_has_every_figure_and_our_two_columns(make_record: RecordFactory) -> None:
