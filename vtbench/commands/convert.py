@@ -19,8 +19,8 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         run,
         help="write a dataset in another layout: LeRobot v3.0",
         about="Each recording becomes an episode whose frames hold the image, the forces of the taxels and the task\n"
-        "in words. A press has two frames, before contact and at the hold, one nominal second apart; a slide has those\n"
-        "of its camera, or every sample of its forces. There is no action: nothing moves the sensor.",
+        "in words. A press has two frames, before contact and at the hold, one nominal second apart; a slide has\n"
+        "those of its camera, or every sample of its forces. There is no action: nothing moves the sensor.",
         examples=("vtbench convert data/paper --to lerobot -o data/paper-lerobot",),
         resume="the output is whole or absent: run the same command again",
     )
