@@ -33,10 +33,30 @@ def write_text(path: Path, text: str) -> None:
     write_whole(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
+def is_temporary(path: Path) -> bool:
+    """Whether a file is one that a killed writer left behind."""
+    return path.name.startswith(".") and path.name.endswith(_TEMPORARY)
+
+
 def remove_temporaries(folder: Path) -> None:
-    """Delete what killed writers left behind in `folder`."""
+    """Delete what writers that were killed left behind in `folder`; what one that lives is writing stays."""
     for path in folder.glob(f".*{_TEMPORARY}"):
-        path.unlink(missing_ok=True)
+        if not _written_now(path):
+            path.unlink(missing_ok=True)
+
+
+def _written_now(path: Path) -> bool:
+    """Whether the process that a temporary name ends in is another one that lives on this machine."""
+    number = path.name.removesuffix(_TEMPORARY).rpartition(".")[2]
+    if os.name != "posix" or not number.isdecimal() or int(number) == os.getpid():
+        return False
+    try:
+        os.kill(int(number), 0)
+    except ProcessLookupError:
+        return False
+    except (PermissionError, OverflowError):
+        pass
+    return True
 
 
 def sha256_of(path: Path) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 import yaml
 
 from leaderboard.record import RECORD_FILE
-from vtbench.data.files import make_folder, write_text
+from vtbench.data.files import is_temporary, make_folder, remove_temporaries, write_text
 from vtbench.run.suite import Suite
 
 SUITE_FILE = "suite.yaml"
@@ -33,10 +33,12 @@ def claim(out: Path, suite: Suite) -> Iterator[None]:
             raise ValueError(
                 f"{out}: holds a run of the suite {there.id!r}, not of {suite.id!r}; choose another folder"
             )
-    elif out.is_dir() and any(out.iterdir()):
+    elif out.is_dir() and any(not is_temporary(there) for there in out.iterdir()):
         raise ValueError(f"{out}: expected an empty folder or one of an earlier run, found other things in it")
     make_folder(out)
     with _only_run(out):
+        for folder in (out, out / "features", *out.glob("runs/*")):
+            remove_temporaries(folder)
         write_text(path, yaml.safe_dump(suite.model_dump(mode="json"), sort_keys=False, allow_unicode=True))
         yield
 

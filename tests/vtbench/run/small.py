@@ -1,6 +1,7 @@
 """Small presses of four objects in three units, suites on them, and samples in memory, for tests of a run."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -106,3 +107,10 @@ def work(method, feed=FUSED, *, blocks=None, labels=None, folds=None, groups=Non
 def method(name, **params):
     """A registered method, or one of `own_classifiers`."""
     return METHODS.get(name) if name in METHODS else external_method(name.lower(), f"{OWN}:{name}", params, {})
+
+
+def run_file(path, out, jobs):
+    """Run the suite of a JSON file, in a process that may be killed."""
+    from vtbench.run import run_suite
+
+    run_suite(Suite.model_validate_json(Path(path).read_text(encoding="utf-8")), out, jobs=jobs, progress=False)
