@@ -26,8 +26,9 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         about="Every method of the suite and every network that feeds it, one process at a time on one thread, "
         "interleaved in another\norder each round; loading and the first calls apart. Prints the median of the "
         "process medians with its interval,\nand a control: one method timed as if it were "
-        "two. Samples stay in DIR/timings and are not taken twice;\nthe records of DIR get the figures. Leave the "
-        "machine alone meanwhile.",
+        "two. Samples stay in DIR/timings and are not taken twice;\nthe records of DIR get the figures. Parameters, "
+        "multiply-accumulates of one\nsample (Conv, MatMul, Gemm) and kB are counted in the ONNX graph, which a "
+        "classifier has from the features on.\nLeave the machine alone meanwhile.",
         examples=(
             "vtbench time quick -o out/quick",
             "vtbench time quick -o out/quick --only svm --processes 20",
@@ -75,7 +76,20 @@ def run(args: Namespace) -> int:
     return 0
 
 
-_HEAD = ("what", "us, one", "95 %", "least", "p95", "us, batch", "batch", "first call us", "load s", "peak MB")
+_COUNTS = ("params", "MACs", "kB")
+_HEAD = (
+    "what",
+    "us, one",
+    "95 %",
+    "least",
+    "p95",
+    "us, batch",
+    "batch",
+    "first call us",
+    "load s",
+    "peak MB",
+    *_COUNTS,
+)
 
 
 def _cells(row: dict[str, Any]) -> list[str]:
@@ -90,6 +104,7 @@ def _cells(row: dict[str, Any]) -> list[str]:
         f"{row['first_call_us']:,.0f}",
         f"{row['load_s']:.2f}",
         f"{row['peak_mb']:,.0f}",
+        *("-" if row[name] is None else f"{row[name]:,.0f}" for name in ("params", "macs", "kb")),
     ]
 
 

@@ -71,7 +71,7 @@ def build(samples: Samples, fitted: Fitted, offer: Offer) -> ModelProto:
         if name not in BLOCKS:
             raise ValueError(f"features {name!r} have no graph; use a modality made of {', '.join(BLOCKS)}")
         width = samples.data.block(name).shape[1]
-        parts.append(_reduced(g, block, BLOCKS[name](inputs), width))
+        parts.append(reduced(g, block, BLOCKS[name](inputs), width))
     x = parts[0] if len(parts) == 1 else g.op("Concat", *parts, axis=1)
     classifier = fitted.pipeline.classifier
     scores = add_estimator(g, classifier, x)
@@ -80,7 +80,7 @@ def build(samples: Samples, fitted: Fitted, offer: Offer) -> ModelProto:
     return g.model("pipeline")
 
 
-def _reduced(g: Graph, block: FittedBlock, x: str, width: int) -> str:
+def reduced(g: Graph, block: FittedBlock, x: str, width: int) -> str:
     """Leading columns, `ModalityPCA` with its leading components, the factor."""
     if block.leading is not None:
         x = g.columns(x, slice(0, block.leading), width)

@@ -1,6 +1,6 @@
 """One process of a timing: load a subject, warm up, time it, print every sample as JSON.
 
-`python -m vtbench.timing.child` reads `{"out", "key", "kind", "block"}` on standard input.
+`python -m vtbench.timing.child` reads `{"out", "key", "kind", "block", "count"}` on standard input.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import resource
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +61,7 @@ def main() -> None:
         one = measure(subject.one, subject.n, ONE_CALLS, ONE_S)
         subject.many(0)
         many = measure(subject.many, subject.n, MANY_CALLS, MANY_S)
+        peak = _peak_mb()
     result: dict[str, Any] = {
         "import_s": imported - began,
         "load_s": loaded - imported,
@@ -68,9 +70,20 @@ def main() -> None:
         "many_ns": many,
         "large": subject.large,
         "peak_mb_loaded": before,
-        "peak_mb": _peak_mb(),
+        "peak_mb": peak,
     }
+    if asked["count"]:  # last, so that building a graph is in no figure above
+        result["graph"] = _counted(subject.count)
     print(json.dumps(result))
+
+
+def _counted(count: Callable[[], Any]) -> dict[str, int | None] | None:
+    """Counts of a subject's graph; None where it has none. A count that fails costs no timing."""
+    try:
+        found = count()
+    except Exception:  # exporters, checkers and shape inference of three libraries
+        return None
+    return None if found is None else asdict(found)
 
 
 def _peak_mb() -> float:

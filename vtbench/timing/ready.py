@@ -20,6 +20,7 @@ from vtbench.run.sources import load_samples, source_paths
 from vtbench.run.suite import Suite
 from vtbench.tasks.base import Fold, TaskData
 from vtbench.tasks.slides import SlideData, SlipTask
+from vtbench.timing.graph_cost import GraphCost, graph_cost, pipeline_cost
 
 LARGE = 100
 SEQUENCE = 30_000
@@ -37,12 +38,14 @@ class Ready:
         many: does the work of the large batch that begins at sample i.
         n: samples to rotate through.
         large: samples in the large batch.
+        count: what it costs on any machine; None where it has no graph.
     """
 
     one: Callable[[int], object]
     many: Callable[[int], object]
     n: int
     large: int
+    count: Callable[[], GraphCost | None] = lambda: None
 
 
 def load_features(cell: Cell, suite: Suite, out: Path, block: str) -> Ready:
@@ -62,7 +65,10 @@ def load_features(cell: Cell, suite: Suite, out: Path, block: str) -> Ready:
         shown = frames[start:stop]
         return backbone.extract(shown if rest is None else change(shown, rest[start:stop]))
 
-    return Ready(lambda i: work(i, i + 1), lambda i: work(0, len(frames)), len(frames), len(frames))
+    def count() -> GraphCost:
+        return graph_cost(backbone.onnx_model(), {"images": (1, *frames.shape[1:])})
+
+    return Ready(lambda i: work(i, i + 1), lambda i: work(0, len(frames)), len(frames), len(frames), count)
 
 
 def load_classifier(cell: Cell, suite: Suite, out: Path) -> Ready:
@@ -81,6 +87,7 @@ def load_classifier(cell: Cell, suite: Suite, out: Path) -> Ready:
         lambda i: pipeline.predict({name: block[(i + large) % n] for name, block in test.items()}),
         n,
         LARGE,
+        lambda: pipeline_cost(pipeline, {name: block.shape[1] for name, block in blocks.items()}),
     )
 
 

@@ -41,6 +41,9 @@ def _row(subject: Subject, found: Cost) -> dict[str, Any]:
         "import_s": found.import_s,
         "load_s": found.load_s,
         "peak_mb": found.peak_mb,
+        "params": found.params,
+        "macs": found.macs,
+        "kb": None if found.bytes is None else found.bytes / 1000,
         "processes": found.processes,
     }
 

@@ -47,7 +47,7 @@ def collect(
         for number, at in steps:
             subject = subjects[at]
             path = folder / subject.slug / f"{number:03d}.json"
-            samples[subject.slug].append(_kept(path) or _timed(subject, out, path))
+            samples[subject.slug].append(_kept(path) or _timed(subject, out, path, count=number == 0))
             advance(1)
     return samples
 
@@ -60,8 +60,8 @@ def _kept(path: Path) -> Sample | None:
     return found
 
 
-def _timed(subject: Subject, out: Path, path: Path) -> Sample:
-    asked = {"out": str(out), "key": subject.key, "kind": subject.kind, "block": subject.block}
+def _timed(subject: Subject, out: Path, path: Path, count: bool) -> Sample:
+    asked = {"out": str(out), "key": subject.key, "kind": subject.kind, "block": subject.block, "count": count}
     environment = {**os.environ, **dict.fromkeys(THREAD_VARIABLES, "1")}
     done = subprocess.run(
         [sys.executable, "-m", "vtbench.timing.child"],

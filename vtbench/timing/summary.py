@@ -39,6 +39,7 @@ class Cost:
         import_s, load_s: medians, seconds.
         first_us: median of the first call of a process.
         peak_mb: median of the processes' largest resident memory.
+        params, macs, bytes: of its graph, alike on any machine; None where it has none, or where none was counted.
     """
 
     one: Figure
@@ -49,11 +50,15 @@ class Cost:
     load_s: float
     first_us: float
     peak_mb: float
+    params: int | None = None
+    macs: int | None = None
+    bytes: int | None = None
 
 
 def cost(samples: Sequence[dict[str, Any]]) -> Cost:
     """Cost from the samples of each process, as `vtbench.timing.child` prints them."""
     large = int(samples[0]["large"])
+    graph = next((sample["graph"] for sample in samples if sample.get("graph")), {})
     return Cost(
         figure([sample["one_ns"] for sample in samples], 1),
         figure([sample["many_ns"] for sample in samples], large),
@@ -63,6 +68,7 @@ def cost(samples: Sequence[dict[str, Any]]) -> Cost:
         _median(samples, "load_s"),
         _median(samples, "first_call_ns") / 1e3,
         _median(samples, "peak_mb"),
+        **{name: graph.get(name) for name in ("params", "macs", "bytes")},
     )
 
 
