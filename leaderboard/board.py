@@ -17,6 +17,7 @@ from leaderboard.record import Record
 from leaderboard.sections import beside_views, laws_view, pose_view, probe_views, result_view
 from leaderboard.slip_tables import metrics_frame
 from leaderboard.slip_views import slip_views, table_iv
+from leaderboard.studies import study_views
 from leaderboard.tally import Tallies
 from leaderboard.text import escape_markdown, markdown_table
 
@@ -86,7 +87,7 @@ def render_markdown(tables: BoardTables, title: str, generated: datetime) -> str
     parts += [markdown_table(view) for block in tables.slips if (view := table_iv(block)) is not None]
     for group in tables.groups:
         parts.append(f"## {escape_markdown(group.task)} ({group.kind})\n")
-        views = [result_view(table, tables.machines) for table in group.tables]
+        views = study_views(group.study) + [result_view(table, tables.machines) for table in group.tables]
         views += [view for block in tables.slips if block.task == group.task for view in slip_views(block)]
         parts += [markdown_table(view) for view in ([pose_view(group.curve)] if len(group.curve) else []) + views]
     if len(tables.beside):

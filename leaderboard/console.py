@@ -7,6 +7,7 @@ import textwrap
 from leaderboard.contents import BoardTables
 from leaderboard.sections import laws_view, pose_view, probe_views, result_view
 from leaderboard.slip_views import slip_views, table_iv
+from leaderboard.studies import study_views
 from leaderboard.text import console_table, printable
 from leaderboard.views import View
 
@@ -20,6 +21,7 @@ def format_console(tables: BoardTables) -> str:
     for group in tables.groups:
         if len(group.curve):
             parts.append(_titled(pose_view(group.curve), group.kind, f"{group.task}, accuracy by unknown shift"))
+        parts += [_titled(view, group.kind, f"{group.task}, {view.title}") for view in study_views(group.study)]
         parts += [
             _titled(
                 result_view(table, tables.machines),

@@ -12,11 +12,12 @@ import pandas as pd
 from leaderboard.audit import laws_table, missing, probe_warning, probes_table, too_easy
 from leaderboard.counterparts import beside_table
 from leaderboard.curves import CURVE, pose_curve, speed_table
-from leaderboard.frame import records_frame, records_of
+from leaderboard.frame import Row, records_frame, records_of
 from leaderboard.judgement import Better, judged
 from leaderboard.names import METHODS, MODALITIES, title
 from leaderboard.record import Record
 from leaderboard.slip_tables import SlipBlock, slip_blocks, verdicts
+from leaderboard.studies import study_levels, study_rows
 from leaderboard.tables import ResultTable, paper_tables, task_tables
 from leaderboard.tally import Tallies
 from leaderboard.views import brief
@@ -32,12 +33,13 @@ class Notice:
 
 @dataclass(frozen=True, eq=False)
 class TaskGroup:
-    """The tables of one task, and its pose curve, which is empty for most."""
+    """The tables of one task, its pose curve, and the rows of a study; both are empty for most."""
 
     task: str
     kind: str
     tables: tuple[ResultTable, ...]
     curve: pd.DataFrame
+    study: tuple[Row, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +61,16 @@ class BoardTables:
 
     @property
     def groups(self) -> list[TaskGroup]:
-        """The tables by task; where shifts make a curve, the curve takes the place of their tables."""
+        """The tables by task; where shifts or levels make a curve, it takes the place of their tables."""
         grouped: dict[tuple[str, int, str], list[ResultTable]] = {}
         for table in self.tasks:
             grouped.setdefault((table.task, table.protocol_version, table.kind), []).append(table)
         return [self._group(name, group) for name, group in grouped.items()]
 
     def _group(self, name: tuple[str, int, str], group: list[ResultTable]) -> TaskGroup:
+        if levels := study_levels(rows := study_rows(self.cells, name[0], name[2])):
+            left = tuple(table for table in group if table.variant not in levels)
+            return TaskGroup(name[0], name[2], left, self.pose.iloc[:0], tuple(rows))
         curve = self.pose[(self.pose[CURVE[:3]] == list(name)).all(axis=1)]
         if curve["jitter_mm"].nunique() < 2:
             return TaskGroup(name[0], name[2], tuple(group), curve.iloc[:0])

@@ -17,6 +17,8 @@ from leaderboard.sections import beside_views, laws_view, pose_view, probe_views
 from leaderboard.slip_plot import delay_figure
 from leaderboard.slip_tables import SlipBlock
 from leaderboard.slip_views import split_views, table_iv
+from leaderboard.studies import study_views
+from leaderboard.study_plots import study_figure
 from leaderboard.tables import ResultTable
 from leaderboard.views import View
 
@@ -101,6 +103,9 @@ def _sections(tables: BoardTables) -> list[Section]:
 def _group_parts(group: TaskGroup, tables: BoardTables, name: str) -> Iterator[Part]:
     if len(group.curve):
         yield Part(pose_view(group.curve), pose_figure(group.curve, name), folded=True)
+    views = study_views(group.study)
+    for at, view in enumerate(views):  # one figure stands for all of them
+        yield Part(view, study_figure(group.study, name) if at == 0 else None, folded=True)
     for at, table in enumerate(group.tables):
         part = _part(table, tables, f"{name}-{at}")
         # a detector's cost stands against its delay, not against its misses

@@ -34,6 +34,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
             "vtbench compare out/quick --task objects/deep/v1",
             "vtbench compare out/quick --methods ksc@force svm@force",
             "vtbench compare out/before out/after --margin 1",
+            "vtbench compare out/fvsight --paper",
         ),
     )
     parser.add_argument(
@@ -42,6 +43,9 @@ def add(commands: _SubParsersAction[Parser]) -> None:
     parser.add_argument("--task", metavar="T", nargs="+", default=[], help="only these tasks")
     parser.add_argument("--split", metavar="S", nargs="+", default=[], help="only these splits")
     parser.add_argument("--methods", metavar="M", nargs="+", default=[], help="method@modality, or a record's key")
+    parser.add_argument(
+        "--paper", action="store_true", help="which of the FVSight paper's orderings hold in this run, and which do not"
+    )
     parser.add_argument(
         "--margin",
         metavar="POINTS",
@@ -75,6 +79,12 @@ def run(args: Namespace) -> int:
     for records, _ in runs:
         near |= reached(records_frame(records))
     kept = [_kept(records, args) for records, _ in runs]
+    if args.paper:
+        from vtbench.commands.compare_paper import print_orderings
+
+        if len(runs) != 1 or args.methods:
+            raise ValueError("--paper compares the methods that the paper names within one run; leave the rest out")
+        return print_orderings(kept[0], runs[0][1], near, args)
     pairs = within(kept[0], args.methods) if len(runs) == 1 else between(kept[0], kept[1], args.methods)
     if not pairs:
         raise ValueError(f"{args.runs[0]}: expected two scored methods of one protocol to compare, found fewer")
