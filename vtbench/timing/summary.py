@@ -58,7 +58,7 @@ class Cost:
 def cost(samples: Sequence[dict[str, Any]]) -> Cost:
     """Cost from the samples of each process, as `vtbench.timing.child` prints them."""
     large = int(samples[0]["large"])
-    graph = next((sample["graph"] for sample in samples if sample.get("graph")), {})
+    graph: dict[str, int | None] = next((each["graph"] for each in samples if each.get("graph")), {})
     return Cost(
         figure([sample["one_ns"] for sample in samples], 1),
         figure([sample["many_ns"] for sample in samples], large),
