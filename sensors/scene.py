@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from sensors import objects
 from sensors.fvsight import FVSightParameters
+from sensors.grids import GridChoice, choose_grid
 
 
 class _Part(BaseModel):
@@ -104,6 +105,24 @@ class Motion(_Part):
     ripple_hz: float = Field(8.0, gt=0, le=500)
 
 
+class ErrorBound(_Part):
+    """How far a scene's readings may be off by its contact grid; the cheapest grid measured to be within is taken."""
+
+    force: float | None = Field(None, gt=0, description="of each taxel, as a share of the load")
+    displacement: float | None = Field(None, gt=0, description="of the surface that the camera sees, relative RMS")
+    frame: float | None = Field(None, gt=0, description="RMS over the 256x256 frame in grey levels")
+
+    @model_validator(mode="after")
+    def _bounds_something(self) -> ErrorBound:
+        if not self.named():
+            raise ValueError("an error bound needs at least one of force, displacement and frame")
+        return self
+
+    def named(self) -> dict[str, float]:
+        """The bounds that are set."""
+        return {name: value for name, value in self if value is not None}
+
+
 class PressScene(_Part):
     """A press scene: an FVSight pressed on household objects under force control."""
 
@@ -123,10 +142,28 @@ class PressScene(_Part):
         description="larger objects are cut to a disc of this diameter: a rigid body across the frame rests on its rim",
     )
 
+    error_bound: ErrorBound | None = Field(None, description="chooses sensor.grid; none: the grid of the sensor")
+
+    @model_serializer(mode="wrap")
+    def _name_what_is_set(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A bound appears where there is one, so that datasets without it keep their hashes."""
+        return {name: value for name, value in dump(self).items() if name != "error_bound" or value is not None}
+
+    @model_validator(mode="after")
+    def _one_says_the_grid(self) -> PressScene:
+        if self.error_bound is not None and self.sensor.grid != FVSightParameters().grid:
+            raise ValueError("sensor.grid and error_bound both say which grid to take: leave one of the two")
+        return self
+
     @model_validator(mode="after")
     def _objects_exist(self) -> PressScene:
         for name in self.objects:
             objects.get(name)
+        return self
+
+    @model_validator(mode="after")
+    def _some_grid_is_within(self) -> PressScene:
+        self.grid_choice()
         return self
 
     @model_validator(mode="after")
@@ -149,9 +186,31 @@ class PressScene(_Part):
         """Samples of the full protocol."""
         return len(self.object_names) * self.protocol.rounds_per_unit * self.protocol.units
 
+    def grid_choice(self) -> GridChoice | None:
+        """The cheapest contact grid that is measured to be within the error bound; None for a scene without one.
+
+        Raises ValueError where no grid is, or nothing was measured for the sensor's pad, the objects or the loads.
+        """
+        if self.error_bound is None:
+            return None
+        return choose_grid(self.sensor.model_dump(), self.object_classes, self.loads_n, self.error_bound.named())
+
+    @property
+    def object_classes(self) -> tuple[str, ...]:
+        """Families of the objects."""
+        return tuple(sorted({objects.get(name).family for name in self.object_names}))
+
+    @property
+    def loads_n(self) -> tuple[float, ...]:
+        """Nominal loads of the presses."""
+        shallow = (self.load.shallow_n,) if self.protocol.shallow_rounds else ()
+        return (self.load.deep_n, *shallow)
+
     def effective_sensor(self) -> FVSightParameters:
-        """The sensor's parameters with the effects that are off set to nothing."""
-        return self.effects.on_sensor(self.sensor)
+        """The sensor's parameters on the grid that the bound asks for, with the effects that are off set to nothing."""
+        choice = self.grid_choice()
+        sensor = self.sensor if choice is None else self.sensor.model_copy(update={"grid": choice.grid})
+        return self.effects.on_sensor(sensor)
 
 
 @dataclass(frozen=True)

@@ -53,16 +53,17 @@ def _measure(parameters: FVSightParameters, repeats: int, seed: int) -> dict[str
     spent: dict[str, list[float]] = {stage: [] for stage in STAGES}
     for round_number in range(repeats + 1):
         for label, name in enumerate(scene.object_names):
-            sample = _press_once(scene, unit, name, label, np.random.default_rng([seed, round_number, label]))
+            sample = press_stages(scene, unit, name, label, np.random.default_rng([seed, round_number, label]))
             if round_number > 0:  # the first round warms the caches
                 for stage, milliseconds in sample.items():
                     spent[stage].append(milliseconds)
     return spent
 
 
-def _press_once(
+def press_stages(
     scene: PressScene, unit: FVSightUnit, name: str, label: int, rng: np.random.Generator
 ) -> dict[str, float]:
+    """CPU milliseconds of each of `STAGES` of one press; `label` is the object's number in the scene."""
     spent: dict[str, float] = {}
     session = unit.session(rng)
     pose = draw_pose(scene.pose, label, rng)

@@ -88,7 +88,7 @@ class Camera:
         if modes is None:
             frame = np.maximum(e_z, 0)
         else:
-            slope_x, slope_y = self._slopes(modes)
+            slope_x, slope_y = self.slopes(modes)
             inverse_norm = 1 / np.sqrt(1 + slope_x**2 + slope_y**2)
             frame = np.maximum((e_z - e_x * slope_x - e_y * slope_y) * inverse_norm, 0)
         if gain is not None:
@@ -132,7 +132,8 @@ class Camera:
         """
         return None if shift_m == (0.0, 0.0) else self._cloth.ratio(shape, shift_m)
 
-    def _slopes(self, modes: NDArray[np.floating]) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    def slopes(self, modes: NDArray[np.floating]) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+        """Slopes along x and y (rows, columns) at the pixels of a surface with sine `modes`."""
         sine_x, cosine_x = self._across
         sine_y, cosine_y = self._down
         return sine_y @ modes @ cosine_x.T, cosine_y @ modes @ sine_x.T

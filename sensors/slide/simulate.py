@@ -44,7 +44,7 @@ def simulate_slide(
     place_rng, script_rng, surface_rng, force_rng, camera_rng = np.random.default_rng([seed, index]).spawn(5)
     unit = fvsight_unit(scene.effective_sensor(), plan.unit)
     session = unit.session(np.random.default_rng([seed, plan.unit, plan.session, 1]))
-    placed = _place(scene, plan, unit, place_rng)
+    placed = place_body(scene, plan, unit, place_rng)
     load_spread, grip_spread = np.clip(place_rng.standard_normal(2), -3, 3)
     load_n = float(plan.load_n * (1 + scene.conditions.load_spread * load_spread))
     grip = float(1 + scene.friction.spread * grip_spread)
@@ -93,7 +93,8 @@ def simulate_slide(
     )
 
 
-def _place(scene: SlipScene, plan: SlidePlan, unit: FVSightUnit, rng: np.random.Generator) -> Placed:
+def place_body(scene: SlipScene, plan: SlidePlan, unit: FVSightUnit, rng: np.random.Generator) -> Placed:
+    """The trial's object with its tilt on its path over `unit`; draws from `rng`."""
     x, y, turn = rng.uniform(-1, 1, 3)
     placing = scene.placing
     tilt = np.deg2rad(placing.tilt_deg) * np.clip(rng.standard_normal(2), -3, 3)

@@ -1,0 +1,102 @@
+"""The cheapest contact grid whose measured errors are within a scene's bounds.
+
+A grid's error is its distance from the reference plus what the reference itself still moves on a finer grid.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from sensors.grids.table import GridRow, GridTable, committed_grids
+
+BOUNDS = {"force": "of the force", "displacement": "of the displacement", "frame": "grey levels"}
+"""What can be bounded: the first two relative (0.02 = 2 %), the frame in grey levels."""
+
+_ALIKE = 0.1
+"""How far, relative, a pad's parameters may lie from those measured."""
+
+_LOADS = 1.3
+"""How far, as a factor, loads may lie outside those measured."""
+
+
+@dataclass(frozen=True)
+class GridChoice:
+    """The grid taken, with its largest measured errors (the reference's own included) and its cost (ms CPU a press)."""
+
+    grid: int
+    force: float
+    displacement: float
+    frame: float
+    cost_ms: float
+
+
+def choose_grid(
+    sensor: Mapping[str, Any],
+    classes: Iterable[str],
+    loads_n: Iterable[float],
+    bounds: Mapping[str, float],
+    table: GridTable | None = None,
+) -> GridChoice:
+    """The cheapest grid that is within all `bounds` (see `BOUNDS`) for every class of object.
+
+    `sensor` holds the parameters that name a pad. Raises ValueError where nothing was measured for the pad, a class or
+    the loads, or no grid is within the bounds; the message names the best there is.
+    """
+    choices = measured_choices(sensor, classes, loads_n, table)
+    within = [one for one in choices if all(getattr(one, name) <= bound for name, bound in bounds.items())]
+    if within:
+        return min(within, key=lambda one: one.cost_ms)
+    best = min(choices, key=lambda one: max(getattr(one, name) / bound for name, bound in bounds.items()))
+    words = ", ".join(f"{name} {getattr(best, name):.3g} (bound {bound:g})" for name, bound in bounds.items())
+    raise ValueError(f"no contact grid is within the error bound; the nearest is {best.grid}x{best.grid} with {words}")
+
+
+def measured_choices(
+    sensor: Mapping[str, Any], classes: Iterable[str], loads_n: Iterable[float], table: GridTable | None = None
+) -> list[GridChoice]:
+    """Every measured grid for a pad, the worst of `classes` each; see `choose_grid`."""
+    table = committed_grids() if table is None else table
+    pad = _pad(table, sensor)
+    low, high = min(table.loads_n) / _LOADS, max(table.loads_n) * _LOADS
+    outside = [load for load in loads_n if not low <= load <= high]
+    if outside:
+        raise ValueError(f"contact grids were measured for loads of {low:.2g} to {high:.2g} N, got {outside[0]:g} N")
+    asked = set(classes)
+    known = {row.objects for row in table.rows if row.pad == pad}
+    if asked - known:
+        raise ValueError(f"contact grids were not measured with objects of the class {min(asked - known)!r}")
+    grids = sorted({row.grid for row in table.rows if row.pad == pad})
+    return [_worst(table, pad, asked, grid) for grid in grids]
+
+
+def _worst(table: GridTable, pad: str, classes: set[str], grid: int) -> GridChoice:
+    def picked(rows: tuple[GridRow, ...]) -> dict[str, GridRow]:
+        return {row.objects: row for row in rows if row.pad == pad and row.objects in classes}
+
+    moved = picked(table.reference_change)
+    rows = picked(tuple(row for row in table.rows if row.grid == grid))
+    if set(rows) != classes or set(moved) != classes:
+        raise ValueError(
+            f"the table of contact grids lacks rows of {pad}: write it anew with `python -m sensors.grids`"
+        )
+    force, displacement, frame = (
+        max(getattr(row, name) + getattr(moved[objects], name) for objects, row in rows.items()) for name in BOUNDS
+    )
+    return GridChoice(grid, force, displacement, frame, max(row.cost_ms for row in rows.values()))
+
+
+def _pad(table: GridTable, sensor: Mapping[str, Any]) -> str:
+    for name, pad in table.pads.items():
+        if all(_alike(sensor[key], value) for key, value in pad.items()):
+            return name
+    known = "; ".join(f"{name} ({', '.join(f'{k} {v}' for k, v in pad.items())})" for name, pad in table.pads.items())
+    raise ValueError(
+        f"contact grids were not measured for this sensor's pad: set sensor.grid itself; measured: {known}"
+    )
+
+
+def _alike(value: Any, measured: Any) -> bool:
+    return value == measured if isinstance(measured, str) else math.isclose(value, measured, rel_tol=_ALIKE)

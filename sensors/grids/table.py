@@ -1,0 +1,83 @@
+"""The measured errors and costs of the contact grids: rows, and the small JSON file that holds them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+TABLE_PATH = Path(__file__).with_name("table.json")
+"""The committed table."""
+
+_FORMAT = 1
+
+
+@dataclass(frozen=True)
+class GridRow:
+    """One grid of one pad under one class of object: the largest errors over its presses, and the median cost.
+
+    `force`: of a taxel, over the whole load. `displacement`: root mean square over that of the reference, of the
+    surface that the camera sees. `frame`: root mean square over the 256x256 frame, grey levels, without noise.
+    `cost_ms`: CPU of contact, taxels and frame.
+    """
+
+    pad: str
+    objects: str
+    grid: int
+    force: float
+    displacement: float
+    frame: float
+    cost_ms: float
+
+
+@dataclass(frozen=True)
+class GridTable:
+    """Rows; the pads (sensor parameters by name) and the loads (N) they were measured with.
+
+    `reference_change` has a row per pad and class: the reference grid against the next finer one.
+    """
+
+    pads: dict[str, dict[str, Any]]
+    loads_n: tuple[float, ...]
+    reference: str
+    machine: str
+    reference_change: tuple[GridRow, ...]
+    rows: tuple[GridRow, ...]
+
+
+@lru_cache(maxsize=1)
+def committed_grids() -> GridTable:
+    """The table that comes with the package."""
+    return read_grids(TABLE_PATH)
+
+
+def read_grids(path: Path) -> GridTable:
+    """Read a table; ValueError in one line where the file is not one."""
+    try:
+        data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        if data.pop("format") != _FORMAT:
+            raise ValueError(f"format must be {_FORMAT}")
+        rows = {name: tuple(GridRow(**row) for row in data.pop(name)) for name in ("reference_change", "rows")}
+        return GridTable(data["pads"], tuple(data["loads_n"]), data["reference"], data["machine"], **rows)
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(
+            f"{path} is not a table of contact grids ({error}); write it anew with `python -m sensors.grids`"
+        ) from error
+
+
+def write_grids(table: GridTable, path: Path) -> None:
+    """Write a table as JSON, a line for each row."""
+    head = {
+        "format": _FORMAT,
+        "pads": table.pads,
+        "loads_n": table.loads_n,
+        "reference": table.reference,
+        "machine": table.machine,
+    }
+    lines = [f"  {json.dumps(name)}: {json.dumps(value)}," for name, value in head.items()]
+    for name, rows in (("reference_change", table.reference_change), ("rows", table.rows)):
+        body = ",\n".join("    " + json.dumps(asdict(row)) for row in rows)
+        lines.append(f"  {json.dumps(name)}: [\n{body}\n  ]" + ("," if name == "reference_change" else ""))
+    path.write_text("{\n" + "\n".join(lines) + "\n}\n", encoding="utf-8")

@@ -1,0 +1,87 @@
+"""What `explain` says: every effect's own size, measured by switching it."""
+
+import pytest
+
+from sensors import explain
+from sensors.explain_press import FLAGS, explain_press, n_effects, spread
+from sensors.explain_slide import SLIDE_FLAGS, explain_slide, n_slide_effects
+from sensors.fvsight import FVSightParameters
+from sensors.scene import Effects, PressScene
+from sensors.slide import SlipScene
+from sensors.slide.scene import SlideEffects, SlipMotion
+
+SMALL = PressScene(id="small", title="small", objects=("button", "hex-nut"), sensor=FVSightParameters(grid=64))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _one_run_is_enough():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(explain, "REPEATS", 1)
+        yield
+
+
+@pytest.fixture(scope="module")
+def full():
+    ticks = []
+    found = explain_press(SMALL, 1, advance=ticks.append)
+    assert len(ticks) == len(found.effects) == n_effects(SMALL)
+    return {row.name: row for row in found.effects}, found
+
+
+def test_each_effect_moves_what_it_should_and_nothing_else(full):
+    rows, _ = full
+    assert rows["camera noise"].frame_levels > 0.3
+    assert rows["camera noise"].force_n == 0
+    assert rows["force noise"].force_n > 1e-3
+    assert rows["force noise"].frame_levels == 0
+    assert rows["hysteresis"].surface_um == 0
+    assert rows["re-seating"].surface_um > 1
+    assert rows["unit spread"].frame_levels > rows["camera noise"].frame_levels
+    assert rows["creep and overshoot"].force_n > rows["hysteresis"].force_n > 0
+    assert rows["weave moves along"].frame_levels > 0
+    assert rows["shadows"].frame_levels == 0
+    assert rows["stretching of the skin"].surface_um > 0
+
+
+def test_a_scene_without_an_effect_shows_what_it_would_add(full):
+    rows, _ = full
+    bare = SMALL.model_copy(update={"effects": Effects(**dict.fromkeys(FLAGS, False))})
+    found = {row.name: row for row in explain_press(bare, 1).effects}
+    for name in FLAGS:
+        shown = name.replace("_", " ")
+        assert rows[shown].on
+        assert not found[shown].on
+    assert found["camera noise"].frame_levels == pytest.approx(rows["camera noise"].frame_levels, rel=0.2)
+
+
+def test_the_grid_taken_is_among_those_measured(full):
+    _, found = full
+    assert [one.grid for one in found.grids if one.taken] == [64]
+    taken = next(one for one in found.grids if one.taken)
+    finest = max(found.grids, key=lambda one: one.grid)
+    assert taken.error["frame"] > finest.error["frame"]
+    assert found.stages_ms["frame total"] > found.stages_ms["contact"] > 0
+
+
+def test_samples_spread_over_the_protocol_and_none_is_refused():
+    eight = spread(72, 27, 8)
+    assert len({index % 27 for index in eight}) == len({index // 27 for index in eight}) == 8
+    assert max(eight) < 72 * 27
+    assert spread(1, 2, 8) == [0, 1]
+    with pytest.raises(ValueError, match="samples"):
+        spread(10, 1, 0)
+
+
+@pytest.mark.slow
+def test_a_slide_shows_its_crowns_and_shear():
+    scene = SlipScene(id="s", title="s", objects=("cuboid",), motion=SlipMotion(longest_mm=2.0),
+                      sensor=FVSightParameters(grid=64), effects=SlideEffects(late_film=False))  # fmt: skip
+    found = explain_slide(scene, 1)
+    rows = {row.name: row for row in found.effects}
+    assert len(rows) == n_slide_effects()
+    assert {name.replace("_", " ") for name in SLIDE_FLAGS} < set(rows)
+    assert not rows["late film"].on
+    assert rows["crowns"].force_n > 1e-3
+    assert rows["shear moment"].force_n > 1e-3
+    assert rows["camera noise"].force_n == 0
+    assert rows["weave moves along"].frame_levels > 0

@@ -1,0 +1,127 @@
+"""The chooser of contact grids obeys its table, and a press scene obeys the chooser."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sensors.grids import choose_grid, committed_grids, read_grids, write_grids
+from sensors.grids.choose import BOUNDS, measured_choices
+from sensors.grids.measure import measure_grids
+from sensors.press import simulate
+from sensors.scene import PressScene
+from sensors.sensor_card import describe
+
+PLAIN = PressScene(id="plain", title="plain", objects=("coin-1-euro", "button"))
+SKIN = PLAIN.sensor.model_dump()
+CLASSES, LOADS = ("coin", "button"), (1.5, 5.0)
+
+
+@pytest.fixture(scope="module")
+def table():
+    return committed_grids()
+
+
+def bound_between(name, coarse, fine):
+    """A bound that the finer of two grids meets and the coarser does not."""
+    by_grid = {one.grid: getattr(one, name) for one in measured_choices(SKIN, CLASSES, LOADS)}
+    assert by_grid[fine] < by_grid[coarse]
+    return (by_grid[coarse] + by_grid[fine]) / 2
+
+
+@pytest.mark.parametrize("name", BOUNDS)
+def test_the_cheapest_grid_within_the_bound_is_taken(name):
+    assert choose_grid(SKIN, CLASSES, LOADS, {name: 1e3}).grid == 64
+    assert choose_grid(SKIN, CLASSES, LOADS, {name: bound_between(name, 64, 128)}).grid == 128
+    assert choose_grid(SKIN, CLASSES, LOADS, {name: bound_between(name, 128, 256)}).grid == 256
+    with pytest.raises(ValueError, match="the nearest is 256x256"):
+        choose_grid(SKIN, CLASSES, LOADS, {name: 1e-9})
+
+
+def test_a_spoilt_entry_changes_the_choice(table):
+    bounds = {"frame": bound_between("frame", 64, 128)}
+    taken = choose_grid(SKIN, CLASSES, LOADS, bounds, table).grid
+    for spoil in ({"frame": 9.0}, {"cost_ms": 1e6}):
+        rows = tuple(replace(row, **spoil) if row.grid == taken else row for row in table.rows)
+        assert choose_grid(SKIN, CLASSES, LOADS, bounds, replace(table, rows=rows)).grid != taken
+    moved = tuple(replace(row, frame=9.0) for row in table.reference_change)
+    with pytest.raises(ValueError, match="no contact grid"):
+        choose_grid(SKIN, CLASSES, LOADS, bounds, replace(table, reference_change=moved))
+
+
+def test_the_worst_class_counts(table):
+    both = {one.grid: one for one in measured_choices(SKIN, CLASSES, LOADS)}
+    for name in BOUNDS:
+        alone = [{one.grid: one for one in measured_choices(SKIN, (kind,), LOADS)} for kind in CLASSES]
+        for grid, one in both.items():
+            assert getattr(one, name) == max(getattr(each[grid], name) for each in alone)
+
+
+@pytest.mark.parametrize(
+    ("change", "loads", "classes", "message"),
+    [
+        ({"film_thickness_mm": 9.0}, LOADS, CLASSES, "not measured for this sensor's pad"),
+        ({}, (20.0,), CLASSES, "loads of"),
+        ({}, LOADS, ("teapot",), "class 'teapot'"),
+    ],
+)
+def test_what_was_not_measured_is_refused(change, loads, classes, message):
+    with pytest.raises(ValueError, match=message):
+        choose_grid(SKIN | change, classes, loads, {"force": 0.5})
+
+
+def test_a_scene_takes_the_grid_of_its_bound_and_says_so():
+    loose, tight = (
+        PressScene(**PLAIN.model_dump() | {"error_bound": {"frame": bound}})
+        for bound in (1e3, bound_between("frame", 64, 128))
+    )
+    assert loose.effective_sensor().grid == 64
+    assert tight.effective_sensor().grid == 128
+    assert describe(loose)["parameters"]["grid"] == 64
+    assert simulate(loose, 0, 0, ("pressure",)).truth["pressure"].shape == (64, 64)
+    assert PressScene(**loose.model_dump()) == loose
+
+
+def test_a_bound_that_asks_for_the_sensors_own_grid_changes_nothing():
+    bound = {"error_bound": {"frame": bound_between("frame", 64, 128)}}
+    mine, plain = simulate(PressScene(**PLAIN.model_dump() | bound), 1, 0), simulate(PLAIN, 1, 0)
+    assert np.array_equal(mine.image, plain.image)
+    assert np.array_equal(mine.force_series, plain.force_series)
+
+
+def test_a_scene_without_a_bound_does_not_speak_of_one():
+    assert "error_bound" not in PLAIN.model_dump(mode="json")
+    assert PLAIN.effective_sensor().grid == 128
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"error_bound": {}}, "at least one of"),
+        ({"error_bound": {"force": -1}}, "greater than 0"),
+        ({"error_bound": {"force": 0.5}, "sensor": {"grid": 64}}, "leave one of the two"),
+        ({"error_bound": {"frame": 1e-9}}, "no contact grid"),
+    ],
+)
+def test_bounds_that_cannot_be_are_refused(changes, message):
+    with pytest.raises(ValueError, match=message):
+        PressScene(id="s", title="s", objects=("button",), **changes)
+
+
+def test_a_table_survives_the_disk_and_a_broken_one_is_named(table, tmp_path):
+    path = tmp_path / "table.json"
+    write_grids(table, path)
+    assert read_grids(path) == table
+    path.write_text('{"format": 2}')
+    with pytest.raises(ValueError, match=r"table.json is not a table of contact grids .*python -m sensors.grids"):
+        read_grids(path)
+
+
+@pytest.mark.slow
+def test_the_committed_table_is_what_the_grids_do_today(table):
+    """Measured again with one object of a class of one."""
+    again = measure_grids(("button",), pads=("skin",))
+    kept = {row.grid: row for row in table.rows if (row.pad, row.objects) == ("skin", "button")}
+    for row in again.rows:
+        for name in BOUNDS:
+            assert getattr(row, name) == pytest.approx(getattr(kept[row.grid], name), rel=0.05, abs=2e-4)
