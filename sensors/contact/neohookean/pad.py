@@ -54,6 +54,11 @@ class _State:
         return cls(solution.displacement, solution.normal_load, solution.indentation_m)
 
 
+def contact_stiffness(mesh: PadMesh, material: LayerMaterial) -> Floats:
+    """Stiffness (N/m) of the contact at each top node, (n_top,)."""
+    return _STIFFNESS * material.youngs_modulus_pa / material.thickness_m * mesh.top_area
+
+
 class NeoHookeanPad:
     """The `neohookean` rung on `mesh`.
 
@@ -71,7 +76,7 @@ class NeoHookeanPad:
         nodes = nested_dissection(mesh.points)
         order = (3 * nodes[:, None] + np.arange(3)).ravel()
         self.assembly = Assembly(mesh, self.solid, order[~mesh.fixed().ravel()[order]])
-        self._stiffness = _STIFFNESS * material.youngs_modulus_pa / self.thickness_m * mesh.top_area
+        self._stiffness = contact_stiffness(mesh, material)
 
     def press_depths(self, surface: Surface, depths_m: Iterable[float]) -> Iterator[PadSolution]:
         """Solutions at the depths (m) in turn, each started from the one before.
