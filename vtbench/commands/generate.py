@@ -7,7 +7,16 @@ from argparse import Namespace, _SubParsersAction
 from pathlib import Path
 
 from vtbench.commands.output import count_text, print_json, size_text
-from vtbench.commands.parser import Parser, add_command, add_jobs, add_json, add_out, some_of, whole_number
+from vtbench.commands.parser import (
+    Parser,
+    add_command,
+    add_jobs,
+    add_json,
+    add_out,
+    add_scheduler,
+    some_of,
+    whole_number,
+)
 
 TRUTH = ("displacement", "pressure", "contact")
 
@@ -26,6 +35,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
             "vtbench generate fvsight-press/hard -o data/hard --truth pressure,contact",
             "vtbench generate fvsight-slip -o data/slip --jobs 2",
             "vtbench generate my-scene.yaml -o data/mine --seed 1",
+            "vtbench generate fvsight-press -o data/full --scheduler tcp://127.0.0.1:8786",
         ),
         resume="the same command goes on from the last whole shard",
     )
@@ -44,6 +54,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
     parser.add_argument("--video", action="store_true", help="of slides: keep the camera's frames too")
     parser.add_argument("--fresh", action="store_true", help="start over instead of going on")
     add_jobs(parser)
+    add_scheduler(parser)
     add_json(parser)
 
 
@@ -51,19 +62,22 @@ def run(args: Namespace) -> int:
     """Simulate and write; print what the dataset holds."""
     from vtbench.config import load_scene
     from vtbench.data.opening import write_scene
+    from vtbench.scheduling import connect
 
     scene = load_scene(f"{args.scene}/{args.variation}" if args.variation else args.scene)
     started = time.perf_counter()
-    path = write_scene(
-        args.out,
-        scene,
-        samples=args.samples,
-        seed=args.seed,
-        jobs=args.jobs,
-        truth=args.truth,
-        frames=args.video,
-        resume=not args.fresh,
-    )
+    with connect(args.scheduler) as cluster:
+        path = write_scene(
+            args.out,
+            scene,
+            samples=args.samples,
+            seed=args.seed,
+            jobs=args.jobs,
+            cluster=cluster,
+            truth=args.truth,
+            frames=args.video,
+            resume=not args.fresh,
+        )
     return report(path, time.perf_counter() - started, args.json)
 
 

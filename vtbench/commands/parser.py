@@ -146,6 +146,15 @@ def add_out(parser: Parser, metavar: str, help: str, type: Callable[[str], Any] 
     parser.add_argument("-o", "--out", metavar=metavar, type=type, required=True, help=help)
 
 
+def add_scheduler(parser: Parser) -> None:
+    """Give a command `--scheduler`."""
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="workers of a Dask scheduler instead: tcp://HOST:PORT",
+    )
+
+
 def add_jobs(parser: Parser) -> None:
     """Give a command `--jobs`."""
     parser.add_argument(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from vtbench.commands.check import suite_problems
 from vtbench.commands.output import count_text, print_json
-from vtbench.commands.parser import Parser, add_command, add_jobs, add_json, add_out
+from vtbench.commands.parser import Parser, add_command, add_jobs, add_json, add_out, add_scheduler
 
 if TYPE_CHECKING:
     from leaderboard.record import Record
@@ -38,6 +38,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
     parser.add_argument("--fresh", action="store_true", help="run every cell again; datasets and features are kept")
     parser.add_argument("--device", default="cpu", help="where networks run (default cpu)")
     add_jobs(parser)
+    add_scheduler(parser)
     add_json(parser)
 
     parser = add_command(
@@ -55,11 +56,13 @@ def run(args: Namespace) -> int:
     """Run what is missing of the suite and print its tables."""
     from vtbench.config import load_suite
     from vtbench.run import run_suite
+    from vtbench.scheduling import connect
 
     suite = load_suite(args.suite)
     for problem in suite_problems(suite):
         raise ValueError(f"{args.suite}: {problem}")
-    summary = run_suite(suite, args.out, jobs=args.jobs, fresh=args.fresh, device=args.device)
+    with connect(args.scheduler) as cluster:
+        summary = run_suite(suite, args.out, jobs=args.jobs, cluster=cluster, fresh=args.fresh, device=args.device)
     if args.json:
         print_json(_summary(summary))
         return _code(summary)

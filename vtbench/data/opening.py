@@ -12,6 +12,7 @@ from vtbench.data.reader import Dataset, Verify
 if TYPE_CHECKING:
     from sensors.scene import PressScene
     from sensors.slide import SlipScene
+    from vtbench.scheduling import Cluster
 
 
 def open_dataset(path: Path | str, verify: Verify = "size") -> Dataset:
@@ -30,6 +31,7 @@ def write_scene(
     samples: int | None = None,
     seed: int = 0,
     jobs: int = 1,
+    cluster: Cluster | None = None,
     truth: Sequence[str] = (),
     frames: bool = False,
     progress: bool = True,
@@ -46,12 +48,28 @@ def write_scene(
         from vtbench.data.slide_writer import write_slides
 
         return write_slides(
-            out, scene, samples=samples, seed=seed, jobs=jobs, frames=frames, progress=progress, resume=resume
+            out,
+            scene,
+            samples=samples,
+            seed=seed,
+            jobs=jobs,
+            cluster=cluster,
+            frames=frames,
+            progress=progress,
+            resume=resume,
         )
     if frames:
         raise ValueError(f"frames: {scene.id} is a press scene, each of its presses has its frame anyway")
     from vtbench.data.writer import write_dataset
 
     return write_dataset(
-        out, scene, samples=samples, seed=seed, jobs=jobs, truth=truth, progress=progress, resume=resume
+        out,
+        scene,
+        samples=samples,
+        seed=seed,
+        jobs=jobs,
+        cluster=cluster,
+        truth=truth,
+        progress=progress,
+        resume=resume,
     )

@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
+import pyarrow as pa
+
 from vtbench.data.croissant import croissant_problem, croissant_text
 from vtbench.data.files import (
     make_folder,
@@ -22,18 +24,27 @@ from vtbench.data.files import (
 from vtbench.data.format import CROISSANT_FILE, META_FILE, PARTIAL_FILE, arrow_schema, shard_name
 from vtbench.data.meta import DatasetMeta, Plan, Progress, ShardEntry, first_difference, read_meta, read_model
 from vtbench.data.table import Row, build_table, write_parquet
+from vtbench.scheduling import Cluster, Died
 
 RowMaker = Callable[[int], Row]
 
 
 def write_shards(
-    out: Path, plan: Plan, make_row: RowMaker, *, jobs: int, progress: bool = True, resume: bool = True
+    out: Path,
+    plan: Plan,
+    make_row: RowMaker,
+    *,
+    jobs: int,
+    cluster: Cluster | None = None,
+    progress: bool = True,
+    resume: bool = True,
 ) -> Path:
     """Write the dataset that `plan` describes, `make_row(index)` giving each of its rows.
 
     Shards that an earlier call with the same plan finished are kept when their checksum still holds; with
     `resume=False` everything is written anew. `make_row` must depend on nothing but the index, and be
-    picklable when `jobs` > 1. Finished shards stay when anything fails.
+    picklable when `jobs` > 1 or there is a `cluster`, whose workers need not see `out`. Finished shards stay when
+    anything fails.
 
     Raises:
         ValueError: the folder holds something else or another plan, or a row cannot be made (it is named).
@@ -54,7 +65,7 @@ def write_shards(
         (out / META_FILE).unlink(missing_ok=True)
         try:
             with _bar(plan, done.values(), progress) as advance:
-                for entry in _run(partial(_write_shard, out, plan, make_row), todo, jobs):
+                for entry in _run(out, plan, make_row, todo, jobs, cluster):
                     done[entry.name] = entry
                     _save(out / PARTIAL_FILE, Progress(plan=plan, shards=_in_order(done.values())))
                     advance(entry.rows)
@@ -88,6 +99,11 @@ def _kept(out: Path, plan: Plan) -> Iterator[ShardEntry]:
 
 
 def _write_shard(out: Path, plan: Plan, make_row: RowMaker, number: int) -> ShardEntry:
+    return _put(out, _shard(plan, make_row, number), number)
+
+
+def _shard(plan: Plan, make_row: RowMaker, number: int) -> pa.Table:
+    """The rows of one shard."""
     parent = os.getppid()
     rows: list[Row] = []
     with one_thread():
@@ -100,13 +116,26 @@ def _write_shard(out: Path, plan: Plan, make_row: RowMaker, number: int) -> Shar
                 raise
             except Exception as error:
                 raise ValueError(f"{plan.name}, sample {index}: {_one_line(error)}") from error
-        table = build_table(rows, arrow_schema(plan.columns, plan.n_taxels, plan.truth, plan.classes))
-        path = out / shard_name(number)
-        write_whole(path, partial(write_parquet, table))
-    return ShardEntry(name=path.name, rows=len(rows), bytes=path.stat().st_size, sha256=sha256_of(path))
+        return build_table(rows, arrow_schema(plan.columns, plan.n_taxels, plan.truth, plan.classes))
 
 
-def _run(work: Callable[[int], ShardEntry], todo: list[int], jobs: int) -> Iterator[ShardEntry]:
+def _put(out: Path, table: pa.Table, number: int) -> ShardEntry:
+    """Write the rows of one shard to the disk."""
+    path = out / shard_name(number)
+    write_whole(path, partial(write_parquet, table))
+    return ShardEntry(name=path.name, rows=table.num_rows, bytes=path.stat().st_size, sha256=sha256_of(path))
+
+
+def _run(
+    out: Path, plan: Plan, make_row: RowMaker, todo: list[int], jobs: int, cluster: Cluster | None
+) -> Iterator[ShardEntry]:
+    work = partial(_write_shard, out, plan, make_row)
+    if cluster is not None:
+        for place, table in cluster.map(partial(_shard, plan, make_row), todo):
+            if isinstance(table, Died):
+                raise OSError(f"{plan.name}, shard {todo[place]}: {table.reason}; finished shards are kept")
+            yield _put(out, table, todo[place])
+        return
     if jobs == 1 or len(todo) <= 1:
         yield from map(work, todo)
         return

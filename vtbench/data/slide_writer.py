@@ -19,6 +19,7 @@ from vtbench.data.writer import check_counts, generator, processes
 
 if TYPE_CHECKING:
     from sensors.slide import SlideRecording, SlipScene
+    from vtbench.scheduling import Cluster
 
 TRIALS_PER_SHARD = 12
 
@@ -32,6 +33,7 @@ def write_slides(
     samples: int | None = None,
     seed: int = 0,
     jobs: int = 1,
+    cluster: Cluster | None = None,
     frames: bool = False,
     progress: bool = True,
     resume: bool = True,
@@ -46,6 +48,7 @@ def write_slides(
         samples: number of trials, all of the scene's protocol by default.
         seed: run seed, >= 0; trial i draws from (seed, i).
         jobs: processes; -1 takes one for each core.
+        cluster: workers elsewhere instead (`vtbench.scheduling.connect`).
         frames: store the camera's frames too.
         progress: show a bar on standard error when it is a terminal.
         resume: keep whole shards of an earlier call; False starts over.
@@ -78,7 +81,7 @@ def write_slides(
         columns=(*SLIDE_COLUMNS, *(FRAME_COLUMNS if frames else ())),
     )
     make_row = _SlideRow(make, scene, plan, seed, frames)
-    return write_shards(out, plan, make_row, jobs=jobs, progress=progress, resume=resume)
+    return write_shards(out, plan, make_row, jobs=jobs, cluster=cluster, progress=progress, resume=resume)
 
 
 def _simulate(scene: SlipScene, index: int, seed: int, frames: bool) -> SlideRecording:

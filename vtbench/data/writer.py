@@ -20,6 +20,7 @@ from vtbench.data.table import Row
 if TYPE_CHECKING:
     from sensors.recording import Recording
     from sensors.scene import PressScene
+    from vtbench.scheduling import Cluster
 
 Simulate = Callable[["PressScene", int, int, tuple[str, ...]], "Recording"]
 Describe = Callable[["PressScene"], dict[str, Any]]
@@ -32,6 +33,7 @@ def write_dataset(
     samples: int | None = None,
     seed: int = 0,
     jobs: int = 1,
+    cluster: Cluster | None = None,
     truth: Sequence[str] = (),
     progress: bool = True,
     resume: bool = True,
@@ -50,6 +52,7 @@ def write_dataset(
         samples: number of presses, all of the scene's protocol by default.
         seed: run seed, >= 0; sample i draws from (seed, i).
         jobs: processes; -1 takes one for each core.
+        cluster: workers elsewhere instead (`vtbench.scheduling.connect`).
         truth: ground-truth fields to store, of `displacement` [m], `pressure` [Pa], `contact`.
         progress: show a bar on standard error when it is a terminal.
         resume: keep whole shards of an earlier call; False starts over.
@@ -97,7 +100,7 @@ def write_dataset(
         columns=(*SIMULATED_COLUMNS, *(f"truth_{field}" for field in fields)),
     )
     make_row = _SimulatedRow(simulate, scene, plan, seed, fields)
-    return write_shards(out, plan, make_row, jobs=jobs, progress=progress, resume=resume)
+    return write_shards(out, plan, make_row, jobs=jobs, cluster=cluster, progress=progress, resume=resume)
 
 
 def generator() -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import faulthandler
 import os
 import signal
@@ -21,6 +22,7 @@ from types import FrameType
 from vtbench.run.detection.detect import DetectionWork
 from vtbench.run.evaluate import Outcome
 from vtbench.run.evaluate import Work as ClassifierWork
+from vtbench.scheduling import Cluster, Died
 from vtbench.tasks.base import NotPossibleError
 
 Work = ClassifierWork | DetectionWork
@@ -33,12 +35,15 @@ class OutOfTimeError(Exception):
     """A cell overran its limit."""
 
 
-def run_all(works: Iterable[Work], jobs: int) -> Iterator[Outcome]:
+def run_all(works: Iterable[Work], jobs: int, cluster: Cluster | None = None) -> Iterator[Outcome]:
     """Outcomes as they come, in any order; each work gives exactly one.
 
     With one job our own methods run in this process and a user's in another. When a worker process dies, what is left
-    runs one cell at a time, in a process that may die for itself.
+    runs one cell at a time, in a process that may die for itself. A `cluster` runs them elsewhere.
     """
+    if cluster is not None:
+        yield from _on_cluster(list(works), cluster)
+        return
     if jobs == 1:
         yield from _in_order(list(works))
         return
@@ -81,6 +86,19 @@ def _attempt_in_worker(work: Work) -> Outcome:
             return attempt(work)
         finally:
             faulthandler.cancel_dump_traceback_later()
+
+
+def _on_cluster(works: list[Work], cluster: Cluster) -> Iterator[Outcome]:
+    started = time.time()
+    for place, outcome in cluster.map(_attempt_alone, works):
+        if isinstance(outcome, Died):
+            outcome = Outcome(works[place].key, "failed", outcome.reason, started=started, finished=time.time())
+        yield outcome
+
+
+def _attempt_alone(work: Work) -> Outcome:
+    with _one_thread():
+        return _attempt_in_worker(work)
 
 
 def _in_order(works: list[Work]) -> Iterator[Outcome]:
@@ -146,9 +164,10 @@ def _one_thread() -> Iterator[None]:
 
 @contextmanager
 def _limit(seconds: float) -> Iterator[None]:
-    """Raise `OutOfTimeError` in the body after `seconds`, where the platform and the thread allow an alarm."""
+    """Raise `OutOfTimeError` in the body after `seconds`, by an alarm where the platform and the thread allow one."""
     if not hasattr(signal, "SIGALRM") or threading.current_thread() is not threading.main_thread():
-        yield
+        with _limit_of_thread(seconds):
+            yield
         return
 
     def ring(number: int, frame: FrameType | None) -> None:
@@ -161,6 +180,27 @@ def _limit(seconds: float) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+
+
+@contextmanager
+def _limit_of_thread(seconds: float) -> Iterator[None]:
+    """As `_limit`, in a thread that hears no alarm: the interpreter raises the error in it."""
+    thread, lock, done = threading.get_ident(), threading.Lock(), False
+
+    def ring() -> None:
+        with lock:
+            if not done:
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(OutOfTimeError))
+
+    timer = threading.Timer(seconds, ring)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        with lock:
+            done = True
+        timer.cancel()
 
 
 def _one_line(error: BaseException) -> str:

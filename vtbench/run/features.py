@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vtbench.data.files import write_text, write_whole
+from vtbench.data.shards import one_thread
 from vtbench.run.progress import bar
+from vtbench.scheduling import Cluster
 from vtbench.tasks.base import Features
 
 CHUNK = 54
@@ -26,12 +28,14 @@ class DiskFeatures:
         folder: created when something is kept.
         jobs: processes that compute.
         progress: show a bar.
+        cluster: workers elsewhere that compute instead.
     """
 
-    def __init__(self, folder: Path, jobs: int = 1, progress: bool = False) -> None:
+    def __init__(self, folder: Path, jobs: int = 1, progress: bool = False, cluster: Cluster | None = None) -> None:
         self.folder = folder
         self.jobs = jobs
         self.progress = progress
+        self.cluster = cluster
 
     def cached(self, identity: Mapping[str, str], n: int, compute: Callable[[NDArray[np.int64]], Features]) -> Features:
         """Features (n, columns) float32, read where they were kept before, else computed and kept.
@@ -65,21 +69,36 @@ class DiskFeatures:
     def _compute(
         self, identity: Mapping[str, str], n: int, compute: Callable[[NDArray[np.int64]], Features]
     ) -> tuple[Features, float]:
-        from joblib import Parallel, delayed, parallel_config
-
         chunks = [np.arange(start, min(start + CHUNK, n)) for start in range(0, n, CHUNK)]
         label = " ".join(["features", *(identity[key] for key in ("backbone", "frames") if key in identity)])
         parts: list[Features] = []
         seconds: list[float] = []
-        backend = {"backend": "loky", "inner_max_num_threads": 1} if self.jobs > 1 else {"backend": "sequential"}
-        with bar(n, label, self.progress) as advance, parallel_config(**backend):
-            results = Parallel(n_jobs=self.jobs, return_as="generator")(delayed(_timed)(compute, c) for c in chunks)
-            for part, spent in results:
+        with bar(n, label, self.progress) as advance:
+            for part, spent in self._results(compute, chunks):
                 parts.append(part)
                 seconds.append(spent / len(part))
                 advance(len(part))
         # the first chunk of a process loads the network: the median leaves that out
         return np.concatenate(parts).astype(np.float32, copy=False), float(np.median(seconds)) * 1e6
+
+    def _results(
+        self, compute: Callable[[NDArray[np.int64]], Features], chunks: list[NDArray[np.int64]]
+    ) -> Iterator[tuple[Features, float]]:
+        """Features of each chunk and the seconds they took, in the order of the chunks."""
+        from joblib import Parallel, delayed, parallel_config
+
+        if self.cluster is not None:
+            yield from self.cluster.in_order(partial(_timed_alone, compute), chunks)
+            return
+        backend = {"backend": "loky", "inner_max_num_threads": 1} if self.jobs > 1 else {"backend": "sequential"}
+        with parallel_config(**backend):
+            yield from Parallel(n_jobs=self.jobs, return_as="generator")(delayed(_timed)(compute, c) for c in chunks)
+
+
+def _timed_alone(compute: Callable[[NDArray[np.int64]], Features], rows: NDArray[np.int64]) -> tuple[Features, float]:
+    """As `_timed`, numerical libraries on one thread."""
+    with one_thread():
+        return _timed(compute, rows)
 
 
 def _timed(compute: Callable[[NDArray[np.int64]], Features], rows: NDArray[np.int64]) -> tuple[Features, float]:

@@ -16,6 +16,7 @@ from vtbench.run.methods import Method
 from vtbench.run.sources import find_sources, load_samples, prepare_datasets
 from vtbench.run.suite import Suite
 from vtbench.run.summary import RunSummary
+from vtbench.scheduling import Cluster
 
 
 def run_suite(
@@ -23,6 +24,7 @@ def run_suite(
     out: Path | str,
     *,
     jobs: int = 1,
+    cluster: Cluster | None = None,
     fresh: bool = False,
     device: str = "cpu",
     progress: bool = True,
@@ -36,6 +38,7 @@ def run_suite(
         suite: what to run.
         out: folder of the run, `suite.yaml`, `datasets/`, `features/` and `runs/` below it.
         jobs: processes; each computes with one thread.
+        cluster: workers elsewhere instead (`vtbench.scheduling.connect`), which see the folder of the run.
         fresh: drop the records and run every cell again; datasets and features stay, their bytes cannot differ.
         device: `cpu`; the backbones run there.
         progress: show bars on standard error when it is a terminal.
@@ -55,16 +58,19 @@ def run_suite(
             "machine alike; `vtbench train-backbone --device cuda` trains on a GPU"
         )
     methods = own_methods(suite)
+    out = out if cluster is None else out.resolve()
     with claim(out, suite):
+        if cluster is not None:
+            cluster.shares(out)
         if fresh:
             shutil.rmtree(out / "runs", ignore_errors=True)
-        prepare_datasets(suite, out, jobs, progress)
+        prepare_datasets(suite, out, jobs, progress, cluster)
         cells = plan(suite, find_sources(suite, out), _backbone(suite), methods)
         set_aside(out, {cell.key for cell in cells})
         records = _records(out)
         pending = [cell for cell in cells if not _finished(cell, records.get(cell.key), out)]
         if pending:
-            for record in _run(suite, out, pending, jobs, progress):
+            for record in _run(suite, out, pending, jobs, progress, cluster):
                 records[record.key] = record
     return RunSummary.of(out, [records[cell.key] for cell in cells], len(pending), time.perf_counter() - started)
 
@@ -90,7 +96,9 @@ def _backbone(suite: Suite) -> dict[str, str]:
     return backbone_identity(suite.backbone)
 
 
-def _run(suite: Suite, out: Path, cells: list[Cell], jobs: int, progress: bool) -> Iterator[Record]:
+def _run(
+    suite: Suite, out: Path, cells: list[Cell], jobs: int, progress: bool, cluster: Cluster | None
+) -> Iterator[Record]:
     """Records of the cells, written as they come."""
     from threadpoolctl import threadpool_limits
 
@@ -104,14 +112,20 @@ def _run(suite: Suite, out: Path, cells: list[Cell], jobs: int, progress: bool) 
     where = provenance()
     with threadpool_limits(1), bar(len(cells), "cells", progress) as advance:
         for _, group in groupby(cells, key=lambda cell: cell.group):
-            for record, predictions in _run_group(suite, out, list(group), where, jobs, progress):
+            for record, predictions in _run_group(suite, out, list(group), where, jobs, progress, cluster):
                 write_record(out, record, predictions)
                 advance(1)
                 yield record
 
 
 def _run_group(
-    suite: Suite, out: Path, cells: list[Cell], where: Mapping[str, Any], jobs: int, progress: bool
+    suite: Suite,
+    out: Path,
+    cells: list[Cell],
+    where: Mapping[str, Any],
+    jobs: int,
+    progress: bool,
+    cluster: Cluster | None,
 ) -> Iterator[tuple[Record, Mapping[str, Any] | None]]:
     """Cells that read the same samples."""
     from vtbench.run.executor import run_all
@@ -123,10 +137,10 @@ def _run_group(
         yield from ((skipped_record(cell, cell.missing, where), None) for cell in cells)
         return
     task_id, _, dataset, backbone = cells[0].group
-    cache = DiskFeatures(out / "features", jobs, progress)
+    cache = DiskFeatures(out / "features", jobs, progress, cluster)
     data = load_samples(suite, out, task_id, dataset, cache, backbone)
     works, impossible = works_of(cells, data)
     by_key = {cell.key: cell for cell in cells}
     yield from ((skipped_record(by_key[key], reason, where), None) for key, reason in impossible.items())
-    for outcome in run_all(works, jobs):
+    for outcome in run_all(works, jobs, cluster):
         yield record_of(by_key[outcome.key], outcome, data, where), outcome.predictions

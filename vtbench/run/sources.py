@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from sensors.scene import PressScene
     from sensors.slide import SlipScene
     from vtbench.data.meta import DatasetMeta
+    from vtbench.scheduling import Cluster
 
 
 def dataset_path(out: Path, spec: DatasetSpec) -> Path:
@@ -24,7 +25,7 @@ def dataset_path(out: Path, spec: DatasetSpec) -> Path:
     return Path(spec.path).expanduser() if spec.path is not None else out / "datasets" / spec.id
 
 
-def prepare_datasets(suite: Suite, out: Path, jobs: int, progress: bool) -> None:
+def prepare_datasets(suite: Suite, out: Path, jobs: int, progress: bool, cluster: Cluster | None = None) -> None:
     """Simulate what is missing of the datasets that the suite's entries use; finished ones are not touched.
 
     Raises:
@@ -59,6 +60,7 @@ def prepare_datasets(suite: Suite, out: Path, jobs: int, progress: bool) -> None
             samples=spec.samples,
             seed=spec.seed,
             jobs=jobs,
+            cluster=cluster,
             truth=spec.truth,
             frames=spec.frames,
             progress=progress,
