@@ -50,11 +50,12 @@ def _panel(panel: Panel, rows: Sequence[Row]) -> Markup | None:
     labels = [level.label for level in panel.levels]
     parts = [svg.frame(x, y, panel.title, panel.axis, "accuracy, %", lambda at: labels[int(at)])]
     parts += _references([(name[0], curve) for name, curve in placed.items() if len(curve) == 1], x, y)
+    mixed = len({feed for feed, _ in curves}) > 1
     marks = []
     for place, ((feed, method), curve) in enumerate(curves.items()):
         dodge, (css, shape) = 2.5 * (place - (len(curves) - 1) / 2), style(method)
         points = [(x(at) + dodge, row) for at, row in sorted(curve.items())]
-        looks = f"curve {css} alone" if feed in ALONE else f"curve {css}"
+        looks = f"curve {css} alone" if mixed and feed in ALONE else f"curve {css}"
         parts.append(svg.polyline([(px, y(row["value"])) for px, row in points], looks))
         parts += [svg.whisker(px, y(row["low"]), y(row["high"]), css) for px, row in points if row["low"] is not None]
         marks += [
