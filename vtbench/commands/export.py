@@ -85,6 +85,7 @@ def run(args: Namespace) -> int:
         raise ValueError(f"-o: expected a file that ends in .onnx, got {str(args.out)!r}")
     if not args.all and not args.out.parent.is_dir():
         raise ValueError(f"-o: no folder {args.out.parent}; make it first")
+    _check_names(args)
     with tempfile.TemporaryDirectory() as kept:
         samples = _samples(args, Path(kept))
         reports, problems = _export(args, samples)
@@ -95,6 +96,25 @@ def run(args: Namespace) -> int:
         for problem in problems:
             print(f"not exported: {problem['modality']}, {problem['method']}: {problem['reason']}")
     return NOT_EXPORTED if problems else 0
+
+
+def _check_names(args: Namespace) -> None:
+    """Refuse a misspelt word before anything is simulated or read."""
+    from fusion.features import backbone_names
+    from vtbench.exporting.fit import method_of
+    from vtbench.registry import unknown
+    from vtbench.tasks import TASKS
+
+    task = TASKS.get(args.task)
+    if args.method:
+        method_of(args.method)
+    for kind, name, known in (
+        (f"modality of {task.id}", args.modality, task.modalities),
+        (f"variant of {task.id}", args.variant, task.variants),
+        ("backbone", args.backbone, backbone_names()),
+    ):
+        if name is not None and name not in known:
+            raise unknown(kind, name, known)
 
 
 def _export(args: Namespace, samples: Samples) -> tuple[list[dict[str, Any]], list[dict[str, str]]]:
