@@ -30,17 +30,23 @@ class Level:
 
 @dataclass(frozen=True)
 class Panel:
-    """One axis of a study; `by_feed` where the levels are feeds, so that a curve is a method alone."""
+    """One axis of a study; `by_feed` where the levels are feeds, so that a curve is a method alone.
+
+    `feeds` are those that it shows, all where none is named.
+    """
 
     title: str
     axis: str
     levels: tuple[Level, ...]
     by_feed: bool = False
+    feeds: tuple[str, ...] = ()
 
     def placed(self, rows: Sequence[Row]) -> dict[tuple[str, str], dict[int, Row]]:
         """Rows by (feed, method) and level, in the board's order; the feed is empty where levels are feeds."""
         curves: dict[tuple[str, str], dict[int, Row]] = {}
         for row in sorted(rows, key=lambda row: (order(MODALITIES, row["modality"]), order(METHODS, row["method"]))):
+            if self.feeds and row["modality"] not in self.feeds:
+                continue
             for at, level in enumerate(self.levels):
                 if level.holds(row):
                     feed = "" if self.by_feed else row["modality"]
@@ -49,7 +55,12 @@ class Panel:
 
     def _elsewhere(self, feed: str, curve: dict[int, Row], curves: dict[tuple[str, str], dict[int, Row]]) -> bool:
         """Whether a feed of several modalities has but one level where other curves have more."""
-        return len(curve) == 1 and feed not in ALONE and any(len(other) > 1 for other in curves.values())
+        return (
+            not self.by_feed
+            and len(curve) == 1
+            and feed not in ALONE
+            and any(len(other) > 1 for other in curves.values())
+        )
 
 
 @dataclass(frozen=True)
@@ -79,34 +90,44 @@ _FED = {
     "fused-change-equal": "force + image change, equal",
 }
 
+_FUSED = {
+    "fused-equal": "frame",
+    "fused-change-equal": "change of the frame",
+    "fused-change": "change, weights chosen",
+}
+
+
+def _pairings(fused: str) -> tuple[Panel, ...]:
+    """The axes of bad pairing for one way to put frame and force together, with the frame alone beside."""
+    axes = {
+        "clocks differ by up to, ms": {"paired": "0"} | {f"time-{ms}ms": str(ms) for ms in (100, 200, 300, 400)},
+        "force of a press about so far away, mm": {"paired": "own"} | {f"place-{mm}mm": str(mm) for mm in (2, 4, 8)},
+        "force of": {"paired": "own press", "press-other": "same object", "class-other": "other object"},
+        "force of, in testing alone": {
+            "paired": "own press",
+            "test-press": "same object",
+            "test-class": "other object",
+        },
+    }
+    alone = ("force", "image" if fused == "fused-equal" else "image-change")
+    return tuple(
+        Panel(
+            _FUSED[fused],
+            axis,
+            tuple(Level(label, variant) for variant, label in levels.items()),
+            feeds=(fused, *alone),
+        )
+        for axis, levels in axes.items()
+    )
+
+
 STUDIES = (
     Study(
         "pairing/",
         "Accuracy against how badly frame and force are paired",
-        "The force beside a frame is another one's, in training and in testing unless said. Grey lines: the best of "
-        "each modality alone, rightly paired.",
-        (
-            _variants(
-                "force of another moment",
-                "clocks differ by up to, ms",
-                {"paired": "0"} | {f"time-{ms}ms": str(ms) for ms in (100, 200, 300, 400)},
-            ),
-            _variants(
-                "same object, another place",
-                "about so far away, mm",
-                {"paired": "own"} | {f"place-{mm}mm": str(mm) for mm in (2, 4, 8)},
-            ),
-            _variants(
-                "another press",
-                "force of",
-                {"paired": "own press", "press-other": "same object", "class-other": "other object"},
-            ),
-            _variants(
-                "another press, in testing alone",
-                "force of",
-                {"paired": "own press", "test-press": "same object", "test-class": "other object"},
-            ),
-        ),
+        "The force beside a frame is another one's, in training and in testing unless said; a panel names what of the "
+        "frame is fused. Grey lines: the best of each modality alone, rightly paired.",
+        tuple(panel for feed in _FUSED for panel in _pairings(feed)),
     ),
     Study(
         "robustness/",
@@ -179,7 +200,7 @@ def study_views(rows: Sequence[Row]) -> list[View]:
             for (feed, method), curve in panel.placed([row for row in rows if row["split"] == split]).items()
         ]
         shown = sorted({at for *_, curve in lines for at in curve})
-        if len(shown) > 1:
+        if len(shown) > 1 and any(len(curve) > 1 for *_, curve in lines):
             views.append(_view(panel, lines, shown))
     return views
 
@@ -195,7 +216,7 @@ def _view(panel: Panel, lines: Sequence[tuple[str, str, str, dict[int, Row]]], s
         for split, feed, method, curve in lines
     ]
     return View(
-        id=f"study-{panel.title}".replace(" ", "-").replace(",", ""),
+        id=f"study-{panel.title}-{panel.axis}".replace(" ", "-").replace(",", ""),
         title=f"{panel.title.capitalize()}: {panel.axis}",
         columns=(
             *(Column(name) for name in ("Split", "Fed with", "Method")),

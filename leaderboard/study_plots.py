@@ -28,10 +28,10 @@ def study_figure(rows: Sequence[Row], name: str) -> Figure | None:
     study = study_of(rows[0]["task"]) if rows else None
     if study is None:
         return None
-    strips = []
+    strips, floor = [], _floor(rows)
     for split in sorted({row["split"] for row in rows}, key=lambda name: order(SPLITS, name)):
         part = [row for row in rows if row["split"] == split]
-        panels = [drawn for panel in study.panels if (drawn := _panel(panel, part)) is not None]
+        panels = [drawn for panel in study.panels if (drawn := _panel(panel, part, floor)) is not None]
         if panels:
             strips.append(Strip(title(SPLITS, split), tuple(panels)))
     if not strips:
@@ -40,16 +40,20 @@ def study_figure(rows: Sequence[Row], name: str) -> Figure | None:
     return Figure(f"study-{name}", study.title, caption, tuple(strips), legend(row["method"] for row in rows))
 
 
-def _panel(panel: Panel, rows: Sequence[Row]) -> Markup | None:
+def _floor(rows: Sequence[Row]) -> float:
+    """Return where the axis of all panels begins: the twenty below everything that is drawn."""
+    return min(80.0, 20 * (min(row["value"] if row["low"] is None else row["low"] for row in rows) // 20))
+
+
+def _panel(panel: Panel, rows: Sequence[Row], floor: float) -> Markup | None:
     placed = panel.placed(rows)
-    curves = {name: curve for name, curve in placed.items() if len(curve) > 1}
-    if not curves:
+    curves = {name: curve for name, curve in placed.items() if len(curve) > 1 or panel.by_feed}
+    if not any(len(curve) > 1 for curve in curves.values()):
         return None
     last = len(panel.levels) - 1
-    x, y = _Steps(-0.25, last + 0.25, LEFT, RIGHT), Scale(0, 100, BOTTOM, TOP)
+    x, y = _Steps(-0.25, last + 0.25, LEFT, RIGHT), Scale(floor, 100, BOTTOM, TOP)
     labels = [level.label for level in panel.levels]
     parts = [svg.frame(x, y, panel.title, panel.axis, "accuracy, %", lambda at: labels[int(at)])]
-    parts += _references([(name[0], curve) for name, curve in placed.items() if len(curve) == 1], x, y)
     mixed = len({feed for feed, _ in curves}) > 1
     marks = []
     for place, ((feed, method), curve) in enumerate(curves.items()):
@@ -62,7 +66,8 @@ def _panel(panel: Panel, rows: Sequence[Row]) -> Markup | None:
             svg.point(px, y(row["value"]), shape, css, _tip(row, labels[at]), row["key"], (at, row["value"]))
             for (px, row), at in zip(points, sorted(curve), strict=True)
         ]
-    return svg.drawing(WIDTH, HEIGHT, f"Accuracy, {panel.title}", Markup("").join([*parts, *marks]))
+    parts += _references([(name[0], curve) for name, curve in placed.items() if name not in curves], x, y)
+    return svg.drawing(WIDTH, HEIGHT, f"Accuracy, {panel.title}, {panel.axis}", Markup("").join([*parts, *marks]))
 
 
 def _references(single: Sequence[tuple[str, dict[int, Row]]], x: Scale, y: Scale) -> list[Markup]:
@@ -74,7 +79,7 @@ def _references(single: Sequence[tuple[str, dict[int, Row]]], x: Scale, y: Scale
     parts = []
     for feed, value in best.items():
         parts.append(svg.polyline([(x.start, y(value)), (x.stop, y(value))], "curve upper"))
-        parts.append(svg.text(x.stop, y(value) - 3, title(MODALITIES, feed), "label", "end"))
+        parts.append(svg.text(x(0.5), y(value) - 3, title(MODALITIES, feed), "reference"))
     return parts
 
 

@@ -73,7 +73,7 @@ def test_the_curve_takes_the_place_of_the_tables_of_its_levels(make_record: Reco
     assert len(alone.tables) == 1
     assert not study_rows(board_tables([make_record()]).cells, "objects/deep/v1", "simulated")
     files = build_board(study(make_record), tmp_path)
-    assert "Same object, another place" in files.markdown.read_text()
+    assert "force of a press about so far away" in files.markdown.read_text()
     assert 'id="study-task-0"' in files.html.read_text()
     assert study_of("pairing/v2") is study_of("pairing/v1") is not study_of("objects/deep/v1")
 

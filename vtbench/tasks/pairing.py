@@ -12,8 +12,9 @@ sensors that is badly paired for good. The object's label always belongs to the 
 
 Partners are of the same sensor and the same half of its presses, so that no force crosses from training to test.
 Splits: each half of an object's presses tested by the other (every press once), and each sensor unit held out.
-Target, metrics, intervals: as `objects/deep/v1`. The force alone is no control here: it keeps its own label except in
-`class-other`. Lines to compare with: `image-change` and `force` on `paired`.
+Target, metrics, intervals: as `objects/deep/v1`. Lines to compare with: each modality alone on `paired`. Beside the
+change of the frame the force has little to add on these presses; beside the raw frame (`fused-equal`, the paper's own
+feed, on the random split, where raw frames can be used at all) it has, so that there is something to lose.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ import numpy as np
 
 from vtbench.tasks.base import FeatureCache, Features, Feed, StandIn, Task, TaskData, Variant
 from vtbench.tasks.mispairing import another, clock_errors, force_at, nearest_distance, of_another_class
-from vtbench.tasks.presses import CHANGE, FORCE, PROBES, load_presses
+from vtbench.tasks.presses import CHANGE, FORCE, FRAME, PROBES, load_presses
 from vtbench.tasks.splits import held_out
 from vtbench.tasks.study_splits import half_of, halves, pools
 
@@ -108,7 +109,9 @@ TASK = Task(
     },
     modalities={
         "force": Feed((FORCE,)),
+        "image": Feed((FRAME,)),
         "image-change": Feed((CHANGE,)),
+        "fused-equal": Feed((FRAME, FORCE)),
         "fused-change": Feed((CHANGE, FORCE), weights="chosen"),
         "fused-change-equal": Feed((CHANGE, FORCE)),
     },
