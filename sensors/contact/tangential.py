@@ -56,11 +56,32 @@ def in_plane_symbols(material: LayerMaterial, k: NDArray[np.float64]) -> tuple[F
     small = np.minimum(kh, _LARGE)
     kappa = 3 - 4 * nu
     stretch = np.where(kh > 0, np.sinh(2 * small) / (2 * np.where(small > 0, small, 1.0)), 1.0)
-    denominator = small**2 + 4 * (1 - nu) ** 2 + kappa * np.sinh(small) ** 2
-    layer = 2 * h / material.modulus_pa * (kappa * stretch + 1) / denominator
+    layer = 2 * h / material.modulus_pa * (kappa * stretch + 1) / _denominator(small, nu)
     along = np.where(kh >= _LARGE, 2 * h / (material.modulus_pa * safe), layer)
     across = h / shear * np.where(kh > 0, np.tanh(kh) / safe, 1.0)
     return along, across
+
+
+def coupling_symbol(material: LayerMaterial, k: NDArray[np.float64]) -> Floats:
+    """In-plane shift along the wave vector per pressure (m/Pa), of `k`'s shape; Goodman's approximation leaves it out.
+
+    Under p cos kx the surface shifts by coupling p sin kx; by reciprocity q sin kx lowers it by coupling q cos kx.
+    (1 / (2 G k)) [H^2 - (1 - 2 nu) kappa S^2] / D, D the denominator above; -(1 - 2 nu) / (2 G k) for short waves.
+    """
+    nu, h = material.poisson_ratio, material.thickness_m
+    kh = np.asarray(k, np.float64) * h
+    small = np.minimum(kh, _LARGE)
+    pull = (1 - 2 * nu) * (3 - 4 * nu)
+    safe = np.where(small > 0, small, 1.0)
+    layer = small * (1 - pull * (np.sinh(small) / safe) ** 2) / _denominator(small, nu)
+    with np.errstate(divide="ignore"):
+        deep = -(1 - 2 * nu) / np.where(kh > 0, kh, 1.0)
+    shear = material.youngs_modulus_pa / (2 * (1 + nu))
+    return h / (2 * shear) * np.where(kh >= _LARGE, deep, np.where(kh > 0, layer, 0.0))
+
+
+def _denominator(kh: NDArray[np.float64], nu: float) -> NDArray[np.float64]:
+    return kh**2 + 4 * (1 - nu) ** 2 + (3 - 4 * nu) * np.sinh(kh) ** 2
 
 
 class SpectralTangential:
@@ -140,6 +161,23 @@ class LayerTangential(SpectralTangential):
         mixed[grid.n] = mixed[:, grid.n] = 0
         symbols = np.stack([across + (along - across) * cosine**2, mixed, across + (along - across) * sine**2])
         super().__init__(grid, symbols, dtype)
+        coupling = -1j * coupling_symbol(material, k) * np.stack([cosine, sine])
+        coupling[:, grid.n] = coupling[:, :, grid.n] = 0
+        self._coupling = coupling.astype(np.result_type(self.dtype, np.complex64))
+
+    def under_pressure(self, pressure: Floats) -> Floats:
+        """In-plane motion (x, y) of the surface (m) under a frictionless `pressure` (n, n) in Pa, (2, n, n)."""
+        n = self.grid.n
+        spectrum = scipy.fft.rfft2(np.asarray(pressure, self.dtype), (2 * n, 2 * n))
+        out: Floats = scipy.fft.irfft2(self._coupling * spectrum, (2 * n, 2 * n))
+        return out[:, :n, :n]
+
+    def sinking(self, traction: Floats) -> Floats:
+        """How far (m, into the pad) `traction` (2, n, n) lowers the surface, (n, n): what is taken as zero."""
+        n = self.grid.n
+        spectrum = scipy.fft.rfft2(np.asarray(traction, self.dtype), (2 * n, 2 * n))
+        out: Floats = scipy.fft.irfft2((np.conj(self._coupling) * spectrum).sum(axis=0), (2 * n, 2 * n))
+        return out[:n, :n]
 
 
 class HalfSpaceTangential(SpectralTangential):

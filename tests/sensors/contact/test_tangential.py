@@ -6,13 +6,13 @@ from scipy.linalg import expm
 
 from sensors.contact.grid import Grid
 from sensors.contact.layer import LayerMaterial
-from sensors.contact.tangential import HalfSpaceTangential, LayerTangential, in_plane_symbols
+from sensors.contact.tangential import HalfSpaceTangential, LayerTangential, coupling_symbol, in_plane_symbols
 
 MATERIAL = LayerMaterial(2e-3, 1e6, 0.45)
 
 
-def state_space(k: float, material: LayerMaterial) -> tuple[float, float]:
-    """Shift per traction along and across a plane wave, by matrix exponentials through the thickness; nu < 1/2."""
+def state_space(k: float, material: LayerMaterial) -> tuple[float, float, float]:
+    """Shift per traction along and across a plane wave and per pressure, by matrix exponentials; nu < 1/2."""
     nu, h = material.poisson_ratio, material.thickness_m
     kh = k * h
     lam = 2 * nu / (1 - 2 * nu)
@@ -27,10 +27,12 @@ def state_space(k: float, material: LayerMaterial) -> tuple[float, float]:
         ]
     )
     through = expm(system)
-    base = np.linalg.solve(through[2:, 2:], np.array([1.0, 0.0]))  # T = 1, S = 0 on top
+    sheared = np.linalg.solve(through[2:, 2:], np.array([1.0, 0.0]))  # T = 1, S = 0 on top
+    pressed = np.linalg.solve(through[2:, 2:], np.array([0.0, -1.0]))
     across = expm(np.array([[0, 1], [kh**2, 0]]))  # (V, T) of the anti-plane wave
     shear = material.youngs_modulus_pa / (2 * (1 + nu))
-    return float(through[0, 2:] @ base) * h / shear, across[0, 1] / across[1, 1] * h / shear
+    unit = h / shear
+    return through[0, 2:] @ sheared * unit, across[0, 1] / across[1, 1] * unit, through[0, 2:] @ pressed * unit
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.45, 0.49])
@@ -39,7 +41,10 @@ def test_symbols_equal_the_state_space_solution_to_1e_8(nu, kh):
     material = LayerMaterial(2e-3, 1e6, nu)
     k = kh / material.thickness_m
     along, across = in_plane_symbols(material, np.array([k]))
-    assert (along[0], across[0]) == pytest.approx(state_space(k, material), rel=1e-8)
+    coupling = coupling_symbol(material, np.array([k]))[0]
+    exact = state_space(k, material)
+    assert (along[0], across[0]) == pytest.approx(exact[:2], rel=1e-8)
+    assert coupling == pytest.approx(exact[2], rel=1e-8, abs=1e-9 * along[0])
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
@@ -54,7 +59,7 @@ def test_long_waves_shear_the_layer_and_short_ones_see_a_half_space(nu):
 
 def test_symbols_are_continuous_where_the_form_changes():
     k = 20.0 / MATERIAL.thickness_m * np.array([1 - 1e-9, 1 + 1e-9])
-    for symbol in in_plane_symbols(MATERIAL, k):
+    for symbol in (*in_plane_symbols(MATERIAL, k), coupling_symbol(MATERIAL, k)):
         assert symbol[0] == pytest.approx(symbol[1], rel=1e-8)
 
 
@@ -125,3 +130,25 @@ def test_a_window_is_the_same_operator():
     whole = pad.displacement(traction)[:, rows, columns]
     windowed = pad.window(rows, columns).displacement(traction[:, rows, columns])
     assert windowed == pytest.approx(whole, rel=1e-9, abs=1e-12 * np.abs(whole).max())
+
+
+def test_a_press_pulls_a_soft_solid_in_and_squeezes_an_incompressible_one_out():
+    """In-plane motion under a patch of pressure: towards it at nu = 0, away from it at nu = 1/2."""
+    grid = Grid(64, 0.03)
+    x, y = grid.coordinates()
+    pressure = 1e3 * (np.hypot(x, y) < 3e-3)
+    rim = (np.hypot(x, y) > 3.5e-3) & (np.hypot(x, y) < 5e-3)
+    for nu, sign in [(0.0, -1), (0.5, 1)]:
+        u = LayerTangential(grid, LayerMaterial(2e-3, 1e6, nu)).under_pressure(pressure)
+        assert (sign * (u[0] * x + u[1] * y)[rim] > 0).all()
+        assert u[0] == pytest.approx(-u[0][:, ::-1], abs=1e-9 * np.abs(u).max())
+        assert u[0] == pytest.approx(u[1].T, abs=1e-9 * np.abs(u).max())
+
+
+def test_shear_does_the_work_on_a_press_that_the_press_does_on_shear():
+    """Reciprocity (Betti): sum q.u(p) = sum p w(q) for any p and q, to 1e-9."""
+    pad, rng = LayerTangential(Grid(24, 0.01), MATERIAL), np.random.default_rng(3)
+    pressure, traction = rng.random((24, 24)), rng.standard_normal((2, 24, 24))
+    work = (traction * pad.under_pressure(pressure)).sum()
+    assert work == pytest.approx((pressure * pad.sinking(traction)).sum(), rel=1e-9)
+    assert abs(work) > 0
