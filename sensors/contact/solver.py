@@ -132,6 +132,7 @@ class _Problem:
         self.gap = np.where(self.surface, self.gap, self.gap.dtype.type(1.0))
         self.load = load
         self.depth = depth
+        self._one: tuple[NDArray[np.bool_], NDArray[np.floating]] | None = None
 
     def solve(self, initial: NDArray[np.floating] | None, tolerance: float, max_iterations: int) -> ContactSolution:
         """Preconditioned first; if the active set cycles, again without the preconditioner."""
@@ -231,11 +232,17 @@ class _Problem:
             return self.depth, g, z
         if preconditioned:
             z_opening = self.local.precondition(masked) * active
-            z_one = self.local.precondition(active.astype(opening.dtype)) * active
+            z_one = self._preconditioned_one(active)
         else:
             z_opening, z_one = masked, active.astype(opening.dtype)
         d = opening.dtype.type(z_opening.sum() / z_one.sum())
         return float(d), opening - d, z_opening - d * z_one
+
+    def _preconditioned_one(self, active: NDArray[np.bool_]) -> NDArray[np.floating]:
+        """The preconditioned indicator of the active set, which near the end stays the same."""
+        if self._one is None or not np.array_equal(self._one[0], active):
+            self._one = (active, self.local.precondition(active.astype(self.gap.dtype)) * active)
+        return self._one[1]
 
     def _progress(
         self,
