@@ -91,9 +91,9 @@ _FED = {
 }
 
 _FUSED = {
-    "fused-equal": "frame",
-    "fused-change-equal": "change of the frame",
-    "fused-change": "change, weights chosen",
+    "fused-equal": "force + frame",
+    "fused-change-equal": "force + change of the frame",
+    "fused-change": "force + change, weights chosen",
 }
 
 
@@ -101,12 +101,12 @@ def _pairings(fused: str) -> tuple[Panel, ...]:
     """The axes of bad pairing for one way to put frame and force together, with the frame alone beside."""
     axes = {
         "clocks differ by up to, ms": {"paired": "0"} | {f"time-{ms}ms": str(ms) for ms in (100, 200, 300, 400)},
-        "force of a press about so far away, mm": {"paired": "own"} | {f"place-{mm}mm": str(mm) for mm in (2, 4, 8)},
-        "force of": {"paired": "own press", "press-other": "same object", "class-other": "other object"},
+        "force of a press about so far away, mm": {"paired": "own"} | {f"place-{mm}mm": str(mm) for mm in (2, 4, 6)},
+        "force of": {"paired": "itself", "press-other": "same object", "class-other": "another"},
         "force of, in testing alone": {
-            "paired": "own press",
+            "paired": "itself",
             "test-press": "same object",
-            "test-class": "other object",
+            "test-class": "another",
         },
     }
     alone = ("force", "image" if fused == "fused-equal" else "image-change")

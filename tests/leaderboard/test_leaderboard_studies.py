@@ -34,7 +34,7 @@ def study(make: RecordFactory) -> list[Record]:
             method=method,
             modality="fused-change",
         )
-        for at, name in enumerate(("paired", "place-2mm", "place-4mm", "place-8mm"))
+        for at, name in enumerate(("paired", "place-2mm", "place-4mm", "place-6mm"))
         for method in ("jksc", "svm")
     ]
     return [*made, make(0.7, 0.6, 0.8, task="pairing/v1", variant="paired", method="ksc", modality="image-change")]
@@ -61,7 +61,7 @@ def test_a_curve_has_a_mark_for_each_level_and_a_line_for_what_has_one_level(mak
     assert len(drawn.findall(f".//{SVG}path")) == 8
     assert sum("upper" in line.get("class", "") for line in drawn.findall(f".//{SVG}polyline")) == 1
     (view,) = study_views(rows)
-    assert [column.title for column in view.columns[3:]] == ["own, %", "2, %", "4, %", "8, %"]
+    assert [column.title for column in view.columns[3:]] == ["own, %", "2, %", "4, %", "6, %"]
     assert [cell.text for cell in view.rows[0][3:]] == ["70.0", "–", "–", "–"]
     assert {row[2].text for row in view.rows} == {"KSC", "JKSC", "SVM"}
 
