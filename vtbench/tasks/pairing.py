@@ -5,8 +5,8 @@ sensors that is badly paired for good. The object's label always belongs to the 
 
 - `time-X`: force of another moment; the clocks of a press differ by up to X ms, drawn for each press. The load stands
   still for 200 ms about the frame, so that only larger errors reach approach and release.
-- `place-X`: force of another press of the object, X mm away as nearly as the presses allow (of the suite `studies`, with
-  five presses to choose from: medians 2.3, 4.0 and 5.7 mm for 2, 4 and 6).
+- `place-X`: force of another press of the object, X mm away as nearly as the presses allow (in the suite `studies`,
+  with four others to choose from: medians 2.3, 4.0 and 5.7 mm for 2, 4 and 6).
 - `press-other`: force of any other press of the object. `class-other`: of another object, the control: no method
   can gain from it, and one that listens to it loses.
 - `test-press`, `test-class`: the same two, but the training pairs are right.
