@@ -10,6 +10,7 @@ from sensors.contact.solver import NO_SURFACE, ConvergenceError, solve_indentati
 from sensors.contact.tangential import HalfSpaceTangential, LayerTangential
 from sensors.contact.tangential_oracle import CattaneoMindlin
 from sensors.contact.tangential_projection import onto_discs, onto_discs_with_sum
+from sensors.contact.tangential_report import half_space_rows, layer_rows
 from sensors.contact.tangential_solver import solve_shift, solve_tangential_load
 
 E, MU = 1e6, 0.5
@@ -253,3 +254,16 @@ def test_an_unreached_tolerance_is_an_error():
     compliance, pressure = on_layer()
     with pytest.raises(ConvergenceError, match="residual"):
         solve_shift(compliance, pressure, MU, (5e-5, 0.0), max_iterations=2)
+
+
+def test_the_report_shows_every_nu_within_its_errors_and_the_cost_of_the_layer():
+    rows = list(half_space_rows(32))
+    assert len(rows) == 10
+    for row in rows[1:]:
+        _, _, stick, shift, traction, _ = map(float, row.split())
+        assert abs(stick) < 5
+        assert abs(shift) < 1
+        assert traction < 12
+    layers = list(layer_rows(24, np.float32))
+    tips = [float(line.split("tip the top by ")[1].split(" %")[0]) for line in layers]
+    assert all(0 < tip < 50 for tip in tips)
