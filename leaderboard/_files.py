@@ -125,6 +125,9 @@ def write_atomic(path: Path, content: bytes | Arrays) -> None:
             file.flush()
             os.fsync(file.fileno())
         os.replace(temporary, path)
+    except OSError as error:
+        reason = str(error) if error.errno is None else os.strerror(error.errno)
+        raise OSError(f"{path}: cannot be written ({reason}); what was there is as it was") from error
     finally:
         temporary.unlink(missing_ok=True)
     _sync_folder(path.parent)

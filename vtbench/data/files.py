@@ -15,7 +15,8 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` fill a temporary file beside `path`, then put it in place in one step.
 
     Killed at any point, `path` is either the file it was before or the whole new one. When `write` or the
-    disk fails, the temporary file is removed and the error raised; what was there stays.
+    disk fails, the temporary file is removed and the error raised, an OSError with the name of `path`; what was
+    there stays.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}{_TEMPORARY}")
     try:
@@ -24,8 +25,19 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
             os.fsync(file.fileno())
         os.replace(temporary, path)
         _sync_folder(path.parent)
+    except OSError as error:
+        raise _not_written(path, error) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _not_written(path: Path, error: OSError) -> OSError:
+    """The error of a file that could not be written: libraries name the temporary file, or none, or say no reason."""
+    if error.filename not in (None, str(path.with_name(f".{path.name}.{os.getpid()}{_TEMPORARY}"))):
+        return error
+    if error.errno is None:  # NumPy's count of what was written
+        return OSError(f"{path}: cannot be written whole ({error}); is the disk full? What was there is as it was")
+    return OSError(error.errno, f"{os.strerror(error.errno)}; what was there is as it was", str(path))
 
 
 def write_text(path: Path, text: str) -> None:
