@@ -141,9 +141,11 @@ def add_json(parser: Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
-def add_out(parser: Parser, metavar: str, help: str, type: Callable[[str], Any] = folder) -> None:
+def add_out(
+    parser: Parser, metavar: str, help: str, type: Callable[[str], Any] = folder, *, required: bool = True
+) -> None:
     """Give a command its `-o`."""
-    parser.add_argument("-o", "--out", metavar=metavar, type=type, required=True, help=help)
+    parser.add_argument("-o", "--out", metavar=metavar, type=type, required=required, help=help)
 
 
 def add_scheduler(parser: Parser) -> None:

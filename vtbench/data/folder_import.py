@@ -1,10 +1,12 @@
-"""A folder of images and one CSV of forces (see `vtbench.data.forces_csv`) -> dataset."""
+"""A folder of images and forces -> dataset: one CSV (`vtbench.data.forces_csv`), or any layout with a mapping."""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -13,6 +15,8 @@ from numpy.typing import NDArray
 
 from vtbench.data.forces_csv import FORCES_FILE, read_forces, taxel_columns
 from vtbench.data.format import REQUIRED_COLUMNS, SAMPLES_PER_SHARD
+from vtbench.data.mapped_forces import find_presses
+from vtbench.data.mapping import Mapping
 from vtbench.data.meta import Plan
 from vtbench.data.rows import image_cell
 from vtbench.data.shards import write_shards
@@ -25,31 +29,45 @@ def import_folder(
     out: Path | str,
     *,
     forces: str = FORCES_FILE,
+    mapping: Mapping | None = None,
     name: str | None = None,
     progress: bool = True,
     resume: bool = True,
     samples_per_shard: int = SAMPLES_PER_SHARD,
 ) -> Path:
-    """Turn a folder of images and a CSV of forces into a dataset in `out` and return `out`.
+    """Turn a folder of images and forces into a dataset in `out` and return `out`.
 
     Args:
-        folder: where the images and the CSV are; `vtbench.data.forces_csv` describes both.
+        folder: where the images and the forces are; `vtbench.data.forces_csv` describes both.
         out: folder to write; importing the same recordings again changes nothing.
         forces: name of the CSV in `folder`.
+        mapping: how a folder of any other layout is to be read, instead of `forces`.
         name: the dataset's name, the folder's by default.
         progress: show a bar on standard error when it is a terminal.
         resume: keep whole shards of an earlier call; False starts over.
         samples_per_shard: rows of one Parquet file.
 
     Raises:
-        ValueError: a missing file or column, a force that is not a number, images of different sizes; the row
-            of the CSV is named (the heading is line 1). Nothing is written then.
+        ValueError: a missing file or column, a force that is not a number, images of different sizes; file and
+            line are named (the heading is line 1). Nothing is written then.
         OSError: `out` cannot be written.
     """
     folder, out = Path(folder), Path(out)
-    frame = read_forces(folder / forces)
+    files: tuple[str, ...] = (forces,)
+    source: dict[str, Any] = {"forces": forces}
+    problems: tuple[str, ...] = ()
+    if mapping is None:
+        frame = read_forces(folder / forces)
+    else:
+        found = find_presses(folder, mapping)
+        frame, files, problems = found.frame, found.files, found.problems
+        source = {"mapping": mapping.model_dump(mode="json", exclude_defaults=True)}
+        source |= {key: value for key in ("license", "citation") if (value := getattr(mapping, key))}
+    size, checksum, pictures = ((0, 0), "", []) if problems else survey_images(folder, frame, files)
+    if problems := (*problems, *pictures):
+        more = f" (and {len(problems) - 1} more: --dry-run lists them)" if mapping and len(problems) > 1 else ""
+        raise ValueError(f"{problems[0]}{more}")
     taxels = taxel_columns(list(frame.columns))
-    size, checksum = _survey(folder, forces, frame)
     columns = [*REQUIRED_COLUMNS]
     columns += ["image_rest"] if "rest_file" in frame else []
     columns += ["total_force_n"] if "total_force_n" in frame else []
@@ -57,7 +75,7 @@ def import_folder(
         kind="imported",
         name=name or folder.resolve().name,
         generator=generator(),
-        source={"forces": forces, "sha256": checksum},
+        source={**source, "sha256": checksum},
         samples=len(frame),
         samples_per_shard=samples_per_shard,
         classes=tuple(sorted(set(frame["object"]))),
@@ -69,24 +87,30 @@ def import_folder(
     return write_shards(out, plan, make_row, jobs=1, progress=progress, resume=resume)
 
 
-def _survey(folder: Path, forces: str, frame: pd.DataFrame) -> tuple[tuple[int, int], str]:
-    """Size shared by all images, and SHA-256 over the CSV and the images; ValueError names the odd one out."""
-    checksum = hashlib.sha256((folder / forces).read_bytes())
+def survey_images(folder: Path, frame: pd.DataFrame, files: Sequence[str]) -> tuple[tuple[int, int], str, list[str]]:
+    """Size (height, width) of the first image, SHA-256 over the forces' files and the images, and what is wrong."""
+    checksum = hashlib.sha256()
+    for file in files:
+        checksum.update((folder / file).read_bytes())
     size: tuple[int, int] | None = None
     first = ""
+    problems: list[str] = []
     for column in ("file", "rest_file"):
         for name in frame.get(column, ()):
-            data = _read_bytes(folder, name)
-            checksum.update(hashlib.sha256(data).digest())
-            there = _decode(data, folder / name).shape[:2]
+            try:
+                data = _read_bytes(folder, name)
+                checksum.update(hashlib.sha256(data).digest())
+                there = _decode(data, folder / name).shape[:2]
+            except ValueError as error:
+                problems.append(str(error))
+                continue
             size, first = (size, first) if size else (there, name)
             if there != size:
-                raise ValueError(
+                problems.append(
                     f"{folder / name}: image of {there[0]}x{there[1]} pixels, {first} has {size[0]}x{size[1]} "
                     "(height x width); all images must have one size"
                 )
-    assert size is not None
-    return size, checksum.hexdigest()
+    return size or (0, 0), checksum.hexdigest(), list(dict.fromkeys(problems))
 
 
 def _read_bytes(folder: Path, name: str) -> bytes:
