@@ -15,7 +15,7 @@ from sensors.optics.horizon import horizon_elevation
 from sensors.optics.lights import LedRing
 from sensors.press import draw_pose, presented_gap, simulate
 from sensors.scene import PressScene, plan
-from sensors.timing import press_stages
+from sensors.timing import WARM, press_stages
 
 SAMPLES = 4
 FLAGS = {
@@ -162,7 +162,7 @@ def _stages(scene: PressScene, indices: Sequence[int], seed: int) -> dict[str, f
     for index in indices:
         what = plan(scene, index)
         found.append(press_stages(scene, unit, what.object_name, what.label, np.random.default_rng([seed, index])))
-    return {stage: float(np.median([one[stage] for one in found])) for stage in found[0]}
+    return {stage: float(np.median([one[stage] for one in found])) for stage in found[0] if stage != WARM}
 
 
 def _grids(scene: PressScene) -> tuple[Grid, ...]:

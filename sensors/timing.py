@@ -14,6 +14,7 @@ from sensors.friction.lugre import LuGre
 from sensors.fvsight import FORCE_RATE_HZ, TAXELS_PER_SIDE, FVSightParameters, FVSightUnit, fvsight_unit
 from sensors.press import draw_pose, load_history, presented_gap, taxel_history
 from sensors.scene import PressScene
+from sensors.slip_timing import measure_slip_frame
 
 _T = TypeVar("_T")
 
@@ -25,7 +26,10 @@ CONFIGURATIONS: dict[str, FVSightParameters] = {
 }
 TAXELS, TAXEL_STAGES = "16 taxels, 1 s at 1 kHz", ("friction", "electronics", "both")
 _TAXEL_ROUNDS = 30
-STAGES = ("place", "contact", "taxels", "render", "frame total", "force history")
+WARM, _WARM_FROM = "contact, warm", 0.95
+"""A solve that starts from the solution under this share of the load, as along an indentation path."""
+STAGES = ("place", "contact", "taxels", "render", "frame total", "force history", WARM)
+SLIP = "slip frame, skin 128x128"
 
 
 def frame_cost(repeats: int = 3, seed: int = 0) -> list[dict[str, Any]]:
@@ -33,8 +37,9 @@ def frame_cost(repeats: int = 3, seed: int = 0) -> list[dict[str, Any]]:
 
     Presses all 27 objects `repeats` times with fresh poses after a warm-up; rows hold sensor, stage, ms_p50, ms_p95,
     ms_max and n. `frame total` is place + contact + taxels + render (no encoding); the force history of a press, with
-    its further solves and its electronics, is apart. The rows of `TAXELS` are one second of LuGre friction in the plane
-    and of the piezoresistive chain for 16 taxels, `_TAXEL_ROUNDS` times a repeat.
+    its further solves and its electronics, is apart; so is a warm contact solve. The rows of `SLIP` are a frame of a
+    slip trial with its share of the trial's forces, a trial a repeat. The rows of `TAXELS` are one second of LuGre
+    friction in the plane and of the piezoresistive chain for 16 taxels, `_TAXEL_ROUNDS` times a repeat.
     """
     if repeats < 1:
         raise ValueError(f"repeats must be >= 1, got {repeats}")
@@ -44,6 +49,7 @@ def frame_cost(repeats: int = 3, seed: int = 0) -> list[dict[str, Any]]:
             for name, parameters in CONFIGURATIONS.items()
             for row in _rows(name, _measure(parameters, repeats, seed))
         ]
+        rows += _rows(SLIP, measure_slip_frame(repeats, seed))
         return rows + _rows(TAXELS, _measure_taxels(_TAXEL_ROUNDS * repeats, seed))
 
 
@@ -78,6 +84,8 @@ def press_stages(
         unit.read(taxel_history(unit, gap, press, load), session, rng)
 
     _timed(spent, "force history", history)
+    start = unit.solve(gap, _WARM_FROM * scene.load.deep_n).pressure
+    _timed(spent, WARM, lambda: unit.solve(gap, scene.load.deep_n, start))
     return spent
 
 

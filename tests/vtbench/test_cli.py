@@ -251,11 +251,18 @@ def test_the_nearest_objects_are_pairs_in_order(vtbench, monkeypatch, tmp_path):
 
 
 def test_the_cost_of_a_frame_adds_up(vtbench, monkeypatch):
-    from sensors import timing
+    from sensors import scaling, timing
 
     monkeypatch.setattr(timing, "CONFIGURATIONS", dict(list(timing.CONFIGURATIONS.items())[1:]))
+    monkeypatch.setattr(timing, "measure_slip_frame", lambda rounds, seed: {"frame total": [2.0] * rounds})
+    monkeypatch.setattr(
+        scaling, "two_processes", lambda rounds: {"ratio": 1.9, "low": 1.8, "high": 2.0, "rounds": rounds}
+    )
     found = json.loads(vtbench("frame-cost", "--repeats", "1", "--json").out)
     assert found["threads"] == 1
-    cost = {row["stage"]: row["ms_p50"] for row in found["rows"]}
+    assert found["two_processes"]["ratio"] == 1.9
+    cost = {row["stage"]: row["ms_p50"] for row in found["rows"] if row["sensor"] in timing.CONFIGURATIONS}
     assert cost["contact"] <= cost["frame total"]
-    assert "frame total" in vtbench("frame-cost", "--repeats", "1").out
+    out = vtbench("frame-cost", "--repeats", "1").out
+    assert "frame total" in out
+    assert "two processes press 1.90 times as fast" in out
