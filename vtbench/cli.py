@@ -64,6 +64,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         if not debug:
             warnings.formatwarning = lambda message, *_args, **_named: f"vtbench: warning: {_one_line(message)}\n"
+            warnings.filterwarnings("ignore", "A worker stopped while some jobs")  # loky renews one that has grown
         parser = build_parser()
         args = parser.parse_args(sys.argv[1:] if argv is None else list(argv))
         if args.command is None:
