@@ -28,7 +28,7 @@ class NeoHookeanReducedRung:
     name: str
     cells: int
     layers: int
-    n: int = 64
+    n: int = 128
     depth_ratio: float = 0.3
     snapshots: int = SNAPSHOTS
     modes: int = MODES
