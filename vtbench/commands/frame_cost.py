@@ -17,8 +17,8 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         help="measure what one paired press frame costs, by stage",
         about="CPU milliseconds on one thread, over presses of all objects. `frame total` is one contact solve, the "
         "taxels and\nthe rendered frame, without encoding; the force history of a press and a contact solve that "
-        "starts from 95 % of the\nload (warm) are apart. Then come a frame of a slip trial with its share of the forces, "
-        "one second of friction and\nelectronics of 16 taxels, and how much faster two processes press than one.",
+        "starts from 95 % of the\nload (warm) are apart. Then come a frame of a slip trial with its part of the forces,"
+        "\none second of friction and electronics of 16 taxels, and how much faster two processes press than one.",
         examples=("vtbench frame-cost", "vtbench frame-cost --repeats 10 --json"),
     )
     parser.add_argument("--repeats", metavar="N", type=whole_number(1), default=3, help="rounds (default 3)")
