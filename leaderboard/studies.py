@@ -194,13 +194,15 @@ def study_views(rows: Sequence[Row]) -> list[View]:
     splits = sorted({row["split"] for row in rows}, key=lambda name: order(SPLITS, name))
     views = []
     for panel in study.panels:
+        by_split = {split: panel.placed([row for row in rows if row["split"] == split]) for split in splits}
         lines = [
             (split, feed, method, curve)
-            for split in splits
-            for (feed, method), curve in panel.placed([row for row in rows if row["split"] == split]).items()
+            for split, placed in by_split.items()
+            if any(len(curve) > 1 for curve in placed.values())
+            for (feed, method), curve in placed.items()
         ]
         shown = sorted({at for *_, curve in lines for at in curve})
-        if len(shown) > 1 and any(len(curve) > 1 for *_, curve in lines):
+        if len(shown) > 1:
             views.append(_view(panel, lines, shown))
     return views
 
