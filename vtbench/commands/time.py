@@ -55,7 +55,7 @@ def run(args: Namespace) -> int:
     from vtbench.timing.schedule import collect
 
     suite, out = load_suite(args.suite), args.out
-    subjects = _subjects(suite, out, args.only)
+    subjects = _subjects(suite, args.suite, out, args.only)
     folder = out / "timings" / fingerprint()
     if args.fresh:
         shutil.rmtree(folder, ignore_errors=True)
@@ -108,7 +108,7 @@ def _cells(row: dict[str, Any]) -> list[str]:
     ]
 
 
-def _subjects(suite: Suite, out: Path, only: str | None) -> list[Subject]:
+def _subjects(suite: Suite, named: str, out: Path, only: str | None) -> list[Subject]:
     """What there is to time in a finished run.
 
     Raises:
@@ -122,9 +122,16 @@ def _subjects(suite: Suite, out: Path, only: str | None) -> list[Subject]:
     there = read_suite(out)
     if there.id != suite.id:
         raise ValueError(f"{out}: holds a run of the suite {there.id!r}, not of {suite.id!r}")
-    done = {record.key for record in read_records(out) if record.status.state == "ok"}
-    found = subjects_of(planned(there, out), done, only or "")
-    if not found:
-        what = f"method with {only!r} in its name" if only else "finished method"
-        raise ValueError(f"{out}: no {what} to time; `vtbench run {suite.id} -o {out}` runs them")
+    cells = planned(there, out)
+    records = {record.key: record.status.state for record in read_records(out)}
+    if missing := sum(cell.key not in records for cell in cells):
+        again = f"`vtbench run {named} -o {out}` goes on"
+        raise ValueError(f"{out}: {missing} of {len(cells)} cells are not run yet; {again}")
+    done = {key for key, state in records.items() if state == "ok"}
+    if not (every := subjects_of(cells, done)):
+        raise ValueError(f"{out}: no method of this run has a result, so there is nothing to time")
+    if not (found := subjects_of(cells, done, only or "")):
+        names = list(dict.fromkeys(subject.name for subject in every))
+        more = f" and {len(names) - 4} more" if len(names) > 4 else ""
+        raise ValueError(f"{out}: no name holds {only!r}; there are {', '.join(map(repr, names[:4]))}{more}")
     return found

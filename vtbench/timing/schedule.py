@@ -63,15 +63,14 @@ def _kept(path: Path) -> Sample | None:
 def _timed(subject: Subject, out: Path, path: Path, count: bool) -> Sample:
     asked = {"out": str(out), "key": subject.key, "kind": subject.kind, "block": subject.block, "count": count}
     environment = {**os.environ, **dict.fromkeys(THREAD_VARIABLES, "1")}
-    done = subprocess.run(
-        [sys.executable, "-m", "vtbench.timing.child"],
-        input=json.dumps(asked),
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=TIMEOUT_S,
-        check=False,
-    )
+    command = [sys.executable, "-m", "vtbench.timing.child"]
+    told = json.dumps(asked)
+    try:
+        done = subprocess.run(
+            command, input=told, env=environment, capture_output=True, text=True, timeout=TIMEOUT_S, check=False
+        )
+    except subprocess.TimeoutExpired:
+        raise ValueError(f"{subject.name}: its timing took longer than {TIMEOUT_S:g} s") from None
     if done.returncode != 0:
         words = done.stderr.strip().splitlines()
         raise ValueError(f"{subject.name}: its timing failed: {words[-1] if words else f'exit {done.returncode}'}")
