@@ -47,8 +47,8 @@ class DiskFeatures:
         """
         path = self._path(identity)
         if path.is_file() and path.with_suffix(".json").is_file():
-            kept: Features = np.load(path, mmap_mode="r", allow_pickle=False)
-            if len(kept) == n:
+            kept = _kept(path)
+            if kept is not None and len(kept) == n:
                 return kept
         features, us_per_sample = self._compute(identity, n, compute)
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -105,6 +105,15 @@ def _timed(compute: Callable[[NDArray[np.int64]], Features], rows: NDArray[np.in
     start = time.perf_counter()
     features = compute(rows)
     return features, time.perf_counter() - start
+
+
+def _kept(path: Path) -> Features | None:
+    """Features of a file; None where it is damaged, so that they are computed again."""
+    try:
+        kept: Features = np.load(path, mmap_mode="r", allow_pickle=False)
+    except (ValueError, EOFError):
+        return None
+    return kept
 
 
 def _save(features: Features, path: Path) -> None:

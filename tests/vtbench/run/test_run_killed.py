@@ -11,6 +11,7 @@ import pytest
 from leaderboard.record import read_predictions, read_records, scan_records
 from tests.vtbench.run import small
 from vtbench.run import Suite, check_run, run_suite
+from vtbench.run.features import DiskFeatures
 from vtbench.run.folder import claim
 
 KILLS = 20
@@ -80,6 +81,19 @@ def test_a_run_killed_before_its_first_file_was_whole_goes_on(presses, tmp_path)
     (tmp_path / "kept").rename(out / "features")
     with claim(out, small.suite(presses)):
         assert list((out / "features").iterdir()) == [mine], "what a living process writes is its own"
+
+
+@pytest.mark.parametrize("damage", [b"", b"not an array", b"\x93NUMPY\x01\x00v\x00"])
+def test_features_that_were_damaged_are_computed_again(tmp_path, damage):
+    cache, identity = DiskFeatures(tmp_path), {"dataset": "a"}
+    made = cache.cached(identity, 6, lambda rows: np.stack([rows, 2 * rows], 1).astype(np.float32))
+    (path,) = tmp_path.glob("*.npy")
+    whole = path.read_bytes()
+    path.unlink()
+    path.write_bytes(damage)
+    again = cache.cached(identity, 6, lambda rows: np.stack([rows, 2 * rows], 1).astype(np.float32))
+    np.testing.assert_array_equal(again, made)
+    assert path.read_bytes() == whole
 
 
 @pytest.mark.slow
