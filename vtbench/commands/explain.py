@@ -21,10 +21,11 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         run,
         help="show what each effect of a scene costs, and the error that leaving it out causes",
         about="Every effect is switched, on to off or off to on, on a few samples of the scene: `time` is its share of "
-        "the CPU time\n(what an effect that is off would add; a few percent either way are noise), `force N` the RMS over time of the taxel that changes "
-        "most, `frame` the RMS\nover the frame in grey levels, `surface um` the largest change of the surface that the "
-        "camera sees.\nBelow stand the stages of a sample and the contact grids with their measured errors; a scene's "
-        "`error_bound`\n(force, displacement, frame) takes the cheapest that is within.",
+        "the CPU time\n(what an effect that is off would add; a few percent either way are noise), `force N` the RMS "
+        "over time of the taxel\nthat changes most, `frame` the RMS over the frame in grey levels, `surface um` the "
+        "largest change of the surface that\nthe camera sees. Below stand the stages of a sample and the contact grids "
+        "with their measured errors; a scene's\n`error_bound` (force, displacement, frame) takes the cheapest that is "
+        "within.",
         examples=(
             "vtbench explain fvsight-press",
             "vtbench explain fvsight-press/hard --samples 8",
