@@ -62,7 +62,9 @@ def connect(address: str | None) -> Iterator[Cluster | None]:
         "distributed.comm.timeouts.connect": f"{CONNECT_S}s",
         "distributed.admin.large-graph-warning-threshold": "1TB",
     }
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    for name in list(logging.root.manager.loggerDict):
+        if name.startswith("distributed"):  # what goes wrong is said in one line of ours
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     with contextlib.ExitStack() as stack:
         stack.enter_context(dask.config.set(quiet))
         try:
