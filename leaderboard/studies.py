@@ -139,9 +139,9 @@ STUDIES = (
                 "gain drift", "relative spread, %", {"clean": "0"} | {f"gain-{p}pct": str(p) for p in (5, 10, 20, 40)}
             ),
             _variants("force noise", "N a taxel", {"clean": "0"} | {f"noise-{n}N": str(n) for n in (0.1, 0.2, 0.5)}),
-            _variants("camera noise", "grey levels", {"clean": "0"} | {f"grain-{n}": str(n) for n in (10, 30)}),
+            _variants("camera noise", "grey levels", {"clean": "0"} | {f"grain-{n}": str(n) for n in (1, 3, 10)}),
             _variants("lights", "off by up to, %", {"clean": "0"} | {f"light-{p}pct": str(p) for p in (5, 10, 20)}),
-            _variants("blur", "pixels", {"clean": "0"} | {f"blur-{n}px": str(n) for n in (1, 2, 4)}),
+            _variants("blur", "pixels", {"clean": "0"} | {f"blur-{n}px": str(n) for n in (0.5, 1, 2)}),
             _variants(
                 "camera drops out", "frame", {"clean": "live", "camera-frozen": "frozen", "camera-black": "black"}
             ),

@@ -86,9 +86,9 @@ FORCE_FAULTS: Mapping[str, ForceFault] = {
     **{f"noise-{n}N": ForceFault(f"noise of {n} N a taxel", partial(force_noise, n)) for n in (0.1, 0.2, 0.5)},
 }
 FRAME_FAULTS: Mapping[str, FrameFault] = {
-    **{f"grain-{n}": FrameFault(f"noise of {n} grey levels", partial(frame_noise, n)) for n in (10, 30)},
+    **{f"grain-{n}": FrameFault(f"noise of {n} grey levels", partial(frame_noise, n)) for n in (1, 3, 10)},
     **{f"light-{p}pct": FrameFault(f"lights off by up to {p} %", partial(lighting, p / 100)) for p in (5, 10, 20)},
-    **{f"blur-{n}px": FrameFault(f"blur of {n} pixels", partial(blur, n)) for n in (1, 2, 4)},
+    **{f"blur-{n}px": FrameFault(f"blur of {n} pixels", partial(blur, n)) for n in (0.5, 1, 2)},
     "camera-black": FrameFault("black frames", black),
     "camera-frozen": FrameFault("frames from before contact", frozen),
 }
