@@ -170,6 +170,9 @@ def _image(folder: Path, template: str, cells: dict[str, str], where: str, probl
     except (ValueError, KeyError, IndexError, AttributeError) as error:
         problems.append(f"{where}: the path {template!r} cannot be filled ({error})")
         return ""
+    if name.startswith("/") or ".." in PurePosixPath(name).parts:
+        problems.append(f"{where}: {name!r} lies outside the folder")
+        return ""
     if "*" not in name:
         return name
     fits = sorted(path.relative_to(folder).as_posix() for path in folder.glob(name) if path.is_file())

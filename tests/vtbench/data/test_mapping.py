@@ -215,3 +215,16 @@ def test_a_suggested_mapping_fits_the_folder_it_was_written_from(per_press, tmp_
     assert (found.counts["presses"], found.counts["taxels"]) == (12, 4)
     assert found.counts["objects"] == dict.fromkeys(OBJECTS, 4)
     assert (mapping.skip_lines, mapping.delimiter, mapping.decimal) == (1, ";", ",")
+
+
+@pytest.mark.parametrize("image", ["{frame}.png", "{frame}*"])
+def test_a_cell_cannot_lead_out_of_the_folder(tmp_path, image):
+    picture(tmp_path / "secret.png", 0)
+    folder = tmp_path / "rec"
+    folder.mkdir()
+    (folder / "forces.csv").write_text("object,frame,f1\ncup,../secret,1\ncup,/etc/hostname,2\n")
+    found = dry_run(folder, Mapping(object="object", image=image))
+    assert len(found.problems) == 2
+    for line, problem in enumerate(found.problems, start=2):
+        assert f"line {line}: " in problem
+        assert "lies outside the folder" in problem
