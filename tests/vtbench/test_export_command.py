@@ -161,3 +161,12 @@ def test_bad_orders_are_refused_in_one_line(refused, presses, kept, tmp_path, mo
     variant = () if "--variant" in words else ("--variant", "own") if data else ()
     assert line in refused("export", *words, *data, *variant, "--features", kept)
     assert not list(tmp_path.glob("a.*"))
+
+
+@pytest.mark.parametrize("words", [("svmm",), ("svm", "--modality", "imag"), ("svm", "--backbone", "vt-vg")])
+def test_a_misspelt_name_is_refused_before_anything_is_simulated(refused, monkeypatch, words):
+    def simulated(*_, **__):
+        raise AssertionError("it was simulated")
+
+    monkeypatch.setattr("vtbench.data.opening.write_scene", simulated)
+    assert "did you mean" in refused("export", TASK, *words, "-o", "a.onnx")

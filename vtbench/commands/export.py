@@ -106,7 +106,7 @@ def _check_names(args: Namespace) -> None:
     from vtbench.tasks import TASKS
 
     task = TASKS.get(args.task)
-    if args.method:
+    if args.method and task.reads != "slides":  # detectors are refused with where their export is
         method_of(args.method)
     for kind, name, known in (
         (f"modality of {task.id}", args.modality, task.modalities),
