@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import json
-import resource
 import sys
 import time
 from collections.abc import Callable
@@ -87,8 +86,9 @@ def _counted(count: Callable[[], Any]) -> dict[str, int | None] | None:
 
 
 def _peak_mb() -> float:
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / 1024 if sys.platform != "darwin" else peak / 2**20
+    from fusion.peak_memory import peak_resident_bytes
+
+    return peak_resident_bytes() / 2**20
 
 
 if __name__ == "__main__":

@@ -238,7 +238,10 @@ def _kept(
 
 
 def _make(at: Path, number: int, make: Callable[[int], Arrays]) -> None:
-    write_whole(_file(at, number), partial(_save, make(number)))
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1):  # a product of several threads rounds otherwise
+        write_whole(_file(at, number), partial(_save, make(number)))
 
 
 def _save(arrays: Arrays, path: Path) -> None:
