@@ -61,10 +61,13 @@ def write_baselines(path: Path, records: Iterable[Record], tallies: Tallies) -> 
 
 def main(runs: list[str]) -> int:
     """Take the records of each run folder; returns an exit code."""
-    if not runs:
+    if not runs or runs[0].startswith("-"):
         print("usage: python -m leaderboard.baselines RUN_DIR [RUN_DIR...]", file=sys.stderr)
         return 2
     for run in map(Path, runs):
+        if not run.is_dir():
+            print(f"{run}: expected the folder of a run, found none", file=sys.stderr)
+            return 2
         records, problems = scan_records(run)
         if problems or not records:
             print(f"{run}: {problems[0] if problems else 'no records'}", file=sys.stderr)

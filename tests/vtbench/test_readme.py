@@ -1,63 +1,46 @@
-"""The README's examples run as they stand, on less data."""
+"""What README and the docs name is there: commands, suites, files. Their examples run in `test_docs_examples`."""
 
-import csv
-import json
 import re
 from pathlib import Path
 
-import cv2
-import numpy as np
 import pytest
 
-from vtbench.cli import main
+from vtbench.cli import build_parser
+from vtbench.config import suite_names
 
-README = Path(__file__).parents[2] / "README.md"
-
-
-def blocks(language: str) -> dict[str, str]:
-    """Code blocks of a language whose first line is a comment with a file's name."""
-    found = re.findall(rf"```{language}\n(# (\S+)\n.*?)```", README.read_text(encoding="utf-8"), flags=re.DOTALL)
-    return {name: text for text, name in found}
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "vtbench" / "docs").glob("*.md"))]
 
 
-@pytest.fixture
-def in_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+def commands() -> set[str]:
+    """Names of the commands that `vtbench` has."""
+    (choices,) = [action.choices for action in build_parser()._actions if action.dest == "command"]
+    return set(choices)
 
 
-@pytest.mark.slow
-def test_your_own_classifier(in_folder, capsys):
-    Path("my_method.py").write_text(blocks("python")["my_method.py"])
-    suite = blocks("yaml")["my-suite.yaml"].replace("samples: 648", "samples: 135")
-    Path("my-suite.yaml").write_text(suite.replace("modalities: [force]", "modalities: [force]\n    splits: [random]"))
-    assert main(["run", "my-suite.yaml", "-o", "out/mine"]) == 0
-    assert main(["board", "out/mine", "-o", "out/board"]) == 0
-    assert "nearest-mean" in Path("out/board/board.md").read_text()
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_to_files(page):
+    targets = re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8"))
+    lost = [target for target in targets if "://" not in target and not (page.parent / target).exists()]
+    assert lost == []
 
 
-def test_your_own_recordings(in_folder, capsys):
-    rng = np.random.default_rng(0)
-    folder = in_folder / "my-recordings"
-    folder.mkdir()
-    with (folder / "forces.csv").open("w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["file", "object", "unit", "session", *(f"f{i}" for i in range(1, 10))])
-        for press in range(24):
-            kind, unit = press % 3, press // 12
-            image = rng.integers(0, 80, (64, 64, 3), dtype=np.uint8)
-            image[:, 20 * kind : 20 * kind + 20] += 100
-            cv2.imwrite(str(folder / f"{press}.png"), image)
-            force = rng.normal(0, 0.05, 9)
-            force[3 * kind] += 2
-            table.writerow([f"{press}.png", f"thing-{kind}", unit, 0, *force.round(3)])
-    assert main(["import", "my-recordings", "-o", "data/mine"]) == 0
-    assert main(["validate", "data/mine"]) == 0
-    Path("mine.yaml").write_text(blocks("yaml")["mine.yaml"].replace("[ksc, jksc, knn, svm]", "[knn]"))
-    text = Path("mine.yaml").read_text().replace("methods: [knn]", "modalities: [force]\n    methods: [knn]")
-    Path("mine.yaml").write_text(text.replace("probes: true", "probes: false"))
-    capsys.readouterr()
-    assert main(["run", "mine.yaml", "-o", "out/mine", "--json"]) == 0
-    summary = json.loads(capsys.readouterr().out)
-    assert summary["failed"] == summary["timeout"] == 0
-    assert summary["done"] == summary["total"] == 3
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_commands_exist(page):
+    named = set(re.findall(r"(?:^|`)vtbench ([a-z][a-z-]+)", page.read_text(encoding="utf-8"), flags=re.MULTILINE))
+    assert named <= commands()
+
+
+def test_the_list_of_commands_is_whole():
+    section = PAGES[0].read_text(encoding="utf-8").split("## Commands")[1].split("\n\nEach")[0]
+    assert set(re.findall(r"`([a-z-]+)`", section)) == commands()
+
+
+def test_the_suites_are_all_named():
+    section = PAGES[0].read_text(encoding="utf-8").split("## Commands")[1].split("## Sources")[0]
+    assert set(suite_names()) <= set(re.findall(r"`([a-z-]+)`", section))
+
+
+def test_nothing_is_left_to_fill_in():
+    for page in PAGES:
+        assert not re.search(r"@[A-Z]{3,}@|TODO|TBD", page.read_text(encoding="utf-8")), page.name
