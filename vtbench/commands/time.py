@@ -116,7 +116,7 @@ def _subjects(suite: Suite, named: str, out: Path, only: str | None) -> list[Sub
     """
     from leaderboard.record import read_records
     from vtbench.run.folder import read_suite
-    from vtbench.timing.plan import planned
+    from vtbench.run.planned import planned
     from vtbench.timing.subject import subjects_of
 
     there = read_suite(out)

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from leaderboard.record import Record, read_predictions, scan_records
-from vtbench.run.cells import own_methods, plan
 from vtbench.run.folder import read_suite
-from vtbench.run.sources import dataset_path, find_sources
+from vtbench.run.planned import planned
+from vtbench.run.sources import dataset_path
 from vtbench.run.suite import Suite
 
 
@@ -62,10 +62,8 @@ def _dataset_problems(suite: Suite, path: Path) -> list[str]:
 
 
 def _missing(suite: Suite, path: Path, records: list[Record]) -> list[str]:
-    from vtbench.tasks.presses import backbone_identity
-
     try:
-        cells = plan(suite, find_sources(suite, path), backbone_identity(suite.backbone), own_methods(suite))
+        cells = planned(suite, path)
     except ValueError as error:
         return [str(error)]
     there = {record.key for record in records}

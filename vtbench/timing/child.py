@@ -38,8 +38,8 @@ def main() -> None:
     from threadpoolctl import threadpool_limits
 
     from vtbench.run.folder import read_suite
+    from vtbench.run.planned import planned
     from vtbench.timing import ready
-    from vtbench.timing.plan import planned
 
     imported = time.perf_counter()
     out = Path(asked["out"])

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from sensors.json_rows import json_rows
 
 TABLE_PATH = Path(__file__).with_name("table.json")
 """The committed table."""
@@ -86,8 +88,5 @@ def write_table(table: LadderTable, path: Path) -> None:
         "reference": table.reference,
         "machine": table.machine,
     }
-    lines = [f"  {json.dumps(name)}: {json.dumps(value)}," for name, value in head.items()]
-    for name, rows in (("reference_change", table.reference_change), ("rows", table.rows)):
-        body = ",\n".join("    " + json.dumps(asdict(row)) for row in rows)
-        lines.append(f"  {json.dumps(name)}: [\n{body}\n  ]" + ("," if name == "reference_change" else ""))
-    path.write_text("{\n" + "\n".join(lines) + "\n}\n", encoding="utf-8")
+    tables = {"reference_change": table.reference_change, "rows": table.rows}
+    path.write_text(json_rows(head, tables), encoding="utf-8")

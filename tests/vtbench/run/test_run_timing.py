@@ -8,8 +8,8 @@ from leaderboard.record import read_records
 from tests.vtbench.run import small
 from vtbench.environment import fingerprint
 from vtbench.run import run_suite
+from vtbench.run.planned import planned
 from vtbench.timing import report
-from vtbench.timing.plan import planned
 from vtbench.timing.schedule import collect
 from vtbench.timing.subject import Subject, subjects_of
 
