@@ -35,7 +35,9 @@ def add(commands: _SubParsersAction[Parser]) -> None:
     )
     parser.add_argument("suite", metavar="SUITE", help="name (`vtbench list suites`) or a YAML file of your own")
     add_out(parser, "DIR", "folder of the run")
-    parser.add_argument("--fresh", action="store_true", help="run every cell again; datasets and features are kept")
+    parser.add_argument(
+        "--fresh", action="store_true", help="run every cell again; datasets, features and submissions are kept"
+    )
     parser.add_argument("--device", default="cpu", help="where networks run (default cpu)")
     add_jobs(parser)
     add_scheduler(parser)

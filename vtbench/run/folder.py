@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections.abc import Iterator, Set
 from contextlib import contextmanager
 from pathlib import Path
@@ -77,12 +78,22 @@ def set_aside(out: Path, keys: Set[str]) -> int:
     return len(old)
 
 
-def _handed_in(record: Path) -> bool:
-    """Whether a record has a submission block; one that cannot be read has none."""
+def drop_records(out: Path) -> None:
+    """Delete what the suite's cells gave, and nothing else.
+
+    Records of somebody else's models stay, for no run makes them again; so does what cannot be read.
+    """
+    for folder in (out / "runs").glob("*"):
+        if _handed_in(folder / RECORD_FILE) is False:
+            shutil.rmtree(folder)
+
+
+def _handed_in(record: Path) -> bool | None:
+    """Whether a record has a submission block; None for one that cannot be read."""
     try:
         return bool(json.loads(record.read_bytes()).get("submission"))
     except (OSError, ValueError, AttributeError):
-        return False
+        return None
 
 
 @contextmanager

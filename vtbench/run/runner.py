@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import time
 from collections.abc import Iterator, Mapping
 from itertools import groupby
@@ -11,7 +10,7 @@ from typing import Any
 
 from leaderboard.record import Record, has_predictions, scan_records, write_record
 from vtbench.run.cells import Cell, own_methods, plan
-from vtbench.run.folder import claim, set_aside
+from vtbench.run.folder import claim, drop_records, set_aside
 from vtbench.run.methods import Method
 from vtbench.run.sources import find_sources, load_samples, prepare_datasets
 from vtbench.run.suite import Suite
@@ -39,7 +38,8 @@ def run_suite(
         out: folder of the run, `suite.yaml`, `datasets/`, `features/` and `runs/` below it.
         jobs: processes; each computes with one thread.
         cluster: workers elsewhere instead (`vtbench.scheduling.connect`), which see the folder of the run.
-        fresh: drop the records and run every cell again; datasets and features stay, their bytes cannot differ.
+        fresh: drop the records and run every cell again; datasets and features stay, their bytes cannot differ, and so
+            do records of models that were handed in.
         device: `cpu`; the backbones run there.
         progress: show bars on standard error when it is a terminal.
 
@@ -63,7 +63,7 @@ def run_suite(
         if cluster is not None:
             cluster.shares(out)
         if fresh:
-            shutil.rmtree(out / "runs", ignore_errors=True)
+            drop_records(out)
         prepare_datasets(suite, out, jobs, progress, cluster)
         cells = plan(suite, find_sources(suite, out), _backbone(suite), methods)
         set_aside(out, {cell.key for cell in cells})

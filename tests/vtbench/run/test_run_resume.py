@@ -10,7 +10,8 @@ import time
 import numpy as np
 import pytest
 
-from leaderboard.record import read_predictions, read_records
+from leaderboard.record import read_predictions, read_records, record_key, write_record
+from leaderboard.submission import Submission
 from tests.vtbench.run import small
 from vtbench.run import check_run, run_suite
 from vtbench.run.folder import claim
@@ -106,6 +107,34 @@ def test_fresh_runs_every_cell_again_to_the_same_end(counted, log, tmp_path):
     assert [r.model_dump(exclude=unlike) for r in again.records] == [
         r.model_dump(exclude=unlike) for r in first.records
     ]
+
+
+def hand_in(out, record, **identity):
+    """A record of somebody else's model beside those of a run, with predictions of its own."""
+    who = record.identity.model_copy(update={"method": "theirs@00000000", **identity})
+    given = record.model_copy(
+        update={
+            "identity": who,
+            "key": record_key(who),
+            "submission": Submission(id="theirs", title="Theirs", status="verified"),
+        }
+    )
+    write_record(out, given, read_predictions(out, record.key))
+    return given
+
+
+def test_fresh_keeps_what_others_handed_in_and_what_cannot_be_read(counted, log, tmp_path):
+    out = tmp_path / "run"
+    theirs = hand_in(out, run(counted, out).records[0])
+    damaged = out / "runs" / ("0" * 64) / "record.json"
+    damaged.parent.mkdir()
+    damaged.write_text('{"submission": {"id": "cut o')
+    before = {path: state for path, state in contents(out).items() if path.parent.name == theirs.key}
+    assert len(before) == 2
+    assert run(counted, out, fresh=True).done == 4
+    assert before.items() <= contents(out).items()
+    assert log() == 2 * FOLDS
+    assert [path.read_text() for path in out.glob("superseded/*/record.json")] == ['{"submission": {"id": "cut o']
 
 
 def test_a_failed_cell_keeps_its_row_until_fresh(presses, tmp_path):
