@@ -12,9 +12,8 @@ from leaderboard.frame import Row, records_of
 from leaderboard.names import METHODS, MODALITIES, SPLITS, title
 from leaderboard.ranks import Rank
 from leaderboard.record import Metric, Record, canonical_json
-from leaderboard.sections import STANDINGS
+from leaderboard.sections import STANDINGS, standing_shown
 from leaderboard.slip_cells import delay_text
-from leaderboard.submission import Submission
 from leaderboard.views import brief, microseconds, number, span
 
 Facts = list[tuple[str, str]]
@@ -72,11 +71,11 @@ def _detail(record: Record, row: Row, place: int, times: int) -> Detail:
         ok=record.status.state == "ok",
         warnings=tuple(text for text in warnings if text),
         facts=tuple(
-            [*_law(record), *_submission(given), *_rank(row), *_identity(record), *_cost(record), *_origin(record)]
+            [*_law(record), *_submission(record), *_rank(row), *_identity(record), *_cost(record), *_origin(record)]
         ),
         metrics=tuple(_metric(metric) for metric in record.metrics),
         place=place,
-        standing=given.status if given is not None else "",
+        standing=_standing(record),
         link=given.link or "" if given is not None else "",
     )
 
@@ -88,10 +87,16 @@ def _law(record: Record) -> Facts:
     return [("law", f"{v.law}: expected {v.expected}, seen {v.observed}, {'holds' if v.passed else 'broken'}")]
 
 
-def _submission(given: Submission | None) -> Facts:
+def _standing(record: Record) -> str:
+    given = record.submission
+    return "" if given is None else standing_shown(given.status, record.status.state == "ok")
+
+
+def _submission(record: Record) -> Facts:
+    given, standing = record.submission, _standing(record)
     if given is None:
         return []
-    facts = [("submission", f"{given.title} ({given.id})"), ("standing", f"{given.status}: {STANDINGS[given.status]}")]
+    facts = [("submission", f"{given.title} ({given.id})"), ("standing", f"{standing}: {STANDINGS[standing]}")]
     said = {
         "why": given.reason,
         "authors": ", ".join(given.authors),

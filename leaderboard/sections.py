@@ -32,8 +32,14 @@ STANDINGS = {
     "verified": "a submission whose model ran here",
     "self-reported": "predictions that were handed in; that a model made them is the author's word",
     "flagged": "a submission that does not fit; its record says why",
+    "unverified": "a submission whose model gave no score here; its record says why",
 }
 APART = {"self-reported": "self-reported submissions, apart", "flagged": "flagged submissions, apart"}
+
+
+def standing_shown(status: str, scored: bool) -> str:
+    """Return the standing to show beside a result: without a score nothing was verified."""
+    return "unverified" if status == "verified" and not scored else status
 
 
 def result_view(table: ResultTable, machines: Machines) -> View:
@@ -76,7 +82,8 @@ def _result_row(
     row: Row, table: ResultTable, ranked: Sequence[str], machines: Machines, features: bool
 ) -> tuple[Cell, ...]:
     upper = row["role"] == "upper-line"
-    standing = str(row["standing"] or "")
+    scored = any(row[f"{split}_state"] == "ok" for split in table.splits)
+    standing = standing_shown(str(row["standing"] or ""), scored)
     cells = [
         Cell(title(MODALITIES, row["modality"]), hint="an upper line: no sensor gives this" if upper else ""),
         Cell(

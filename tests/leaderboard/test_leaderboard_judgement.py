@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from browser_records import METHODS, suite
 
-from leaderboard import board_tables
+from leaderboard import board_tables, build_board
 from leaderboard.baselines import read_baselines, write_baselines
 from leaderboard.counterparts import rank_correlation
 from leaderboard.curves import front
@@ -110,6 +112,23 @@ def test_submissions_stand_apart_and_only_verified_ones_compete(make_record: Rec
     }
     assert set(tables.speed["method"]) == {"svm", "net-verified"}
     assert "flagged" in [notice.kind for notice in tables.notices]
+
+
+def test_a_model_without_a_score_is_not_called_verified(make_record: RecordFactory, tmp_path: Path) -> None:
+    def given(name: str, state: str, **identity: Any) -> Record:
+        record = make_record(state=state, reason="" if state == "ok" else "NaN", method=name, **identity)
+        return record.model_copy(update={"submission": Submission(id=name, title=name, status="verified")})
+
+    records = [given("whole", "ok"), given("broken", "failed"), given("late", "timeout", variant="default")]
+    records += [given("half", "ok"), given("half", "failed", split="held-out-unit")]
+    files = build_board(records, tmp_path)
+    rows = files.markdown.read_text(encoding="utf-8").replace("\\", "").splitlines()
+    said = {row.split("|")[2].strip() for row in rows if row.startswith("| force")}
+    assert {"whole [verified]", "half [verified]", "broken [unverified]", "late [unverified]"} <= said
+    page = files.html.read_text(encoding="utf-8")
+    outcomes = re.findall(r'<summary>.*badge (\w+)">.*"(dim|bad)">', page)
+    assert sorted(outcomes) == sorted([("verified", "dim")] * 2 + [("unverified", "bad")] * 3)
+    assert page.count("unverified: a submission whose model gave no score here") == 3
 
 
 def test_dominance_needs_less_time_and_intervals_that_separate(make_record: RecordFactory) -> None:
