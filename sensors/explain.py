@@ -71,10 +71,14 @@ Run = Callable[[int], Readings]
 
 @dataclass(frozen=True)
 class Switch:
-    """An effect, and the run of the same scene with it switched; None where `effect` is already measured."""
+    """An effect, and the run of the same scene with it switched; None where `effect` is already measured.
+
+    `base` is what to compare it with where the effect cannot be switched in the scene as it is.
+    """
 
     effect: Effect
     run: Run | None = None
+    base: Run | None = None
 
 
 def measure_switches(
@@ -87,6 +91,9 @@ def measure_switches(
     for switch in switches:
         if switch.run is None:
             measured.append(switch.effect)
+        elif switch.base is not None:
+            others = [switch.base(i) for i in indices]
+            measured.append(_switched(switch.effect, switch.base, switch.run, indices, others))
         else:
             measured.append(_switched(switch.effect, base, switch.run, indices, [one for _, one in before]))
         advance(1)

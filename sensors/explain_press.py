@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,7 +15,10 @@ from sensors.optics.horizon import horizon_elevation
 from sensors.optics.lights import LedRing
 from sensors.press import draw_pose, presented_gap, simulate
 from sensors.scene import PressScene, plan
+from sensors.slide.scene import SlipScene
 from sensors.timing import WARM, press_stages
+
+AnyScene = TypeVar("AnyScene", PressScene, SlipScene)
 
 SAMPLES = 4
 FLAGS = {
@@ -41,7 +44,7 @@ def explain_press(
 
 def n_effects(scene: PressScene) -> int:
     """How many effects `explain_press` switches or weighs."""
-    return len(FLAGS) + 9
+    return len(FLAGS) + 10
 
 
 def spread(passes: int, objects: int, samples: int) -> list[int]:
@@ -78,7 +81,8 @@ def _switches(scene: PressScene, indices: Sequence[int], seed: int) -> list[Swit
                spread=0.0 if scene.load.spread else 0.03),
         varied("ripple of the arm", scene.motion.ripple > 0, "force control is not still", "motion",
                ripple=0.0 if scene.motion.ripple else 0.004),
-        varied("creep and overshoot", sensor.taxels == "velostat", "a bare sheet; the preset film is made for little",
+        creep_switch(scene, lambda other: _run(other, seed)),
+        varied("bare sheet", sensor.taxels == "velostat", "a velostat creeps, remembers and varies from press to press",
                "sensor", taxels="fvsight" if sensor.taxels == "velostat" else "velostat"),
         varied("ghosts of floating rows", sensor.scanning != "isolated", "isolated scanning has no crosstalk",
                "sensor", scanning="isolated" if sensor.scanning != "isolated" else "floating"),
@@ -87,6 +91,21 @@ def _switches(scene: PressScene, indices: Sequence[int], seed: int) -> list[Swit
     switches += [Switch(_weave(scene, presses)), Switch(_shadows(presses)), Switch(_stretching(scene, presses))]
     switches.append(Switch(Effect("specular light", False, "canvas is matt: only gels need it")))
     return switches
+
+
+def creep_switch(scene: AnyScene, run: Callable[[AnyScene], Run]) -> Switch:
+    """The creep of the taxels; of the bare sheet in this scene where the scene's own taxels have none."""
+    sheet = scene.model_copy(update={"sensor": scene.sensor.model_copy(update={"taxels": "velostat"})})
+
+    def switched(on: bool) -> Run:
+        return run(sheet.model_copy(update={"effects": sheet.effects.model_copy(update={"creep": on})}))
+
+    name = "creep and overshoot"
+    if scene.sensor.taxels == "velostat" and scene.sensor.creep:
+        on = scene.effects.creep
+        return Switch(Effect(name, on, "conductance grows on a hold and dips at release"), switched(not on))
+    why = "the taxels of this scene have none; shown: of a bare sheet (taxels: velostat) in it"
+    return Switch(Effect(name, False, why), switched(True), switched(False))
 
 
 def _press(scene: PressScene, index: int, seed: int) -> tuple[FVSightUnit, Press]:

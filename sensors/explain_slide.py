@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from sensors.explain import Effect, Explanation, Grid, Readings, Run, Switch, measure_switches, rms
-from sensors.explain_press import FLAGS, spread
+from sensors.explain_press import FLAGS, creep_switch, spread
 from sensors.fvsight import fvsight_unit
 from sensors.slide.membrane import in_plane_skin
 from sensors.slide.scene import SlipScene
@@ -34,6 +34,7 @@ def explain_slide(
         for name, why in SLIDE_FLAGS.items()
         for on in (getattr(scene.effects, name),)
     ]
+    switches.append(creep_switch(scene, lambda other: _run(other, seed)))
     ripple, noise = scene.motion.load_ripple, scene.motion.moving_noise
     still = {"load_ripple": 0.0, "moving_noise": 0.0} if ripple or noise else {"load_ripple": 0.004}
     motion = scene.model_copy(update={"motion": scene.motion.model_copy(update=still)})
@@ -48,7 +49,7 @@ def explain_slide(
 
 def n_slide_effects() -> int:
     """How many effects `explain_slide` switches or weighs."""
-    return len(SLIDE_FLAGS) + 2
+    return len(SLIDE_FLAGS) + 3
 
 
 def _switched(scene: SlipScene, name: str, on: bool) -> SlipScene:

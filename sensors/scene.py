@@ -13,6 +13,9 @@ from sensors import objects
 from sensors.fvsight import FVSightParameters
 from sensors.grids import GridChoice, choose_grid
 
+_LATER = ("creep", "partial_slip")
+"""Effects that came after the first datasets."""
+
 
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -67,6 +70,17 @@ class Effects(_Part):
     force_noise: bool = True
     camera_noise: bool = True
     hysteresis: bool = True
+    creep: bool = Field(True, description="of taxels that creep; nothing else has any")
+
+    @model_serializer(mode="wrap")
+    def _name_what_is_set(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Later effects appear where they are switched, so that datasets without them keep their hashes."""
+        fields = type(self).model_fields
+        return {
+            name: value
+            for name, value in dump(self).items()
+            if name not in _LATER or getattr(self, name) != fields[name].default
+        }
 
     def on_sensor(self, sensor: FVSightParameters) -> FVSightParameters:
         """The sensor's parameters with the effects that are off set to nothing."""
@@ -92,6 +106,8 @@ class Effects(_Part):
             off["camera_noise"] = False
         if not self.hysteresis:
             off["hysteresis"] = False
+        if not self.creep:
+            off["creep"] = False
         return sensor.model_copy(update=off)
 
 

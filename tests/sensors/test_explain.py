@@ -37,7 +37,8 @@ def test_each_effect_moves_what_it_should_and_nothing_else(full):
     assert rows["hysteresis"].surface_um == 0
     assert rows["re-seating"].surface_um > 1
     assert rows["unit spread"].frame_levels > rows["camera noise"].frame_levels
-    assert rows["creep and overshoot"].force_n > rows["hysteresis"].force_n > 0
+    assert rows["bare sheet"].force_n > rows["creep and overshoot"].force_n > rows["hysteresis"].force_n > 0
+    assert not rows["creep and overshoot"].on
     assert rows["weave moves along"].frame_levels > 0
     assert rows["shadows"].frame_levels == 0
     assert rows["stretching of the skin"].surface_um > 0
@@ -52,6 +53,19 @@ def test_a_scene_without_an_effect_shows_what_it_would_add(full):
         assert rows[shown].on
         assert not found[shown].on
     assert found["camera noise"].frame_levels == pytest.approx(rows["camera noise"].frame_levels, rel=0.2)
+
+
+def test_a_sheet_that_creeps_shows_what_its_creep_does_and_without_it_none():
+    """Switched on or off, the same two runs are compared."""
+    shown = []
+    for effects in (Effects(), Effects(creep=False)):
+        sheet = SMALL.sensor.model_copy(update={"taxels": "velostat"})
+        found = explain_press(SMALL.model_copy(update={"sensor": sheet, "effects": effects}), 1).effects
+        shown.append(next(row for row in found if row.name == "creep and overshoot"))
+    assert [row.on for row in shown] == [True, False]
+    assert shown[0].force_n == pytest.approx(shown[1].force_n)
+    assert shown[0].force_n > 0.05
+    assert shown[0].frame_levels == shown[0].surface_um == 0
 
 
 def test_the_grid_taken_is_among_those_measured(full):

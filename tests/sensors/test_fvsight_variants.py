@@ -15,9 +15,10 @@ def read(**change):
 
 
 def test_a_bare_sheet_creeps_and_the_films_array_does_not():
-    grown = [series[1400, 0] / series[0, 0] for series in (read(taxels="velostat"), read())]
+    chains = ({"taxels": "velostat"}, {}, {"taxels": "velostat", "creep": False})
+    grown = [series[1400, 0] / series[0, 0] for series in (read(**chain) for chain in chains)]
     assert grown[0] > 1.1
-    assert grown[1] == pytest.approx(1, abs=1e-3)
+    assert grown[1:] == pytest.approx([1, 1], abs=1e-3)
 
 
 def test_floating_rows_raise_the_fourth_corner_and_grounded_ones_do_not():
@@ -37,8 +38,19 @@ def test_dead_taxels_stay_silent_and_leave_the_others_alone():
 
 def test_variants_are_named_where_they_are_used_only():
     plain, varied = FVSightParameters(), FVSightParameters(taxels="velostat", dead_taxels=(1, 2))
-    assert not {"taxels", "scanning", "dead_taxels"} & set(plain.model_dump())
+    assert not {"taxels", "scanning", "dead_taxels", "creep"} & set(plain.model_dump())
     assert varied.model_dump()["taxels"] == "velostat"
     for parameters in (plain, varied):
         scene = PressScene(id="x", title="x", sensor=parameters)
         assert PressScene(**scene.model_dump(mode="json")) == scene
+
+
+def test_creep_is_an_effect_that_is_named_where_it_is_switched_only():
+    plain, still = (
+        PressScene(id="x", title="x", sensor={"taxels": "velostat"}, effects=effects)
+        for effects in ({}, {"creep": False})
+    )
+    assert "creep" not in plain.model_dump()["effects"] | plain.effective_sensor().model_dump()
+    assert still.model_dump()["effects"]["creep"] is still.effective_sensor().model_dump()["creep"] is False
+    assert still.effective_sensor() == plain.sensor.model_copy(update={"creep": False})
+    assert PressScene(**still.model_dump(mode="json")) == still
