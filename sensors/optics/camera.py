@@ -17,6 +17,8 @@ from sensors.contact.skin import cosine_basis, sine_basis
 from sensors.optics.canvas import Canvas
 from sensors.optics.dragged_weave import DraggedWeave
 from sensors.optics.lights import LedRing
+from sensors.optics.noise import normal_table, random_words
+from sensors.optics.pixels import expose, shade
 
 View = Literal["region", "native_crop", "full"]
 
@@ -73,9 +75,11 @@ class Camera:
         falloff = 1 - parameters.vignette * (x**2 + y**2) / (2 * (size_m / 2) ** 2)
         light = leds.irradiance(x, y)
         full_scale = 255 * parameters.exposure
-        self._facet = (light * (cloth * falloff)[:, None] * full_scale).astype(np.float32)
+        self._facet = np.ascontiguousarray(light * (cloth * falloff)[:, None] * full_scale, np.float32)
+        self._flat = np.zeros(x.shape, np.float32)
         averaged = 1.0 if parameters.view != "region" else NATIVE_ROWS / REGION_PIXELS
-        self._noise_scale = 1 / averaged
+        read, shot = parameters.read_noise, parameters.shot_noise
+        self._noise_variance = (read**2 / averaged**2, shot**2 / 255 / averaged**2)
 
     def clean(
         self, modes: NDArray[np.floating] | None, gain: NDArray[np.floating] | None = None
@@ -84,16 +88,9 @@ class Camera:
 
         `gain` scales the three channels (drift of LEDs and exposure over a session).
         """
-        e_x, e_y, e_z = self._facet[:, 0], self._facet[:, 1], self._facet[:, 2]
-        if modes is None:
-            frame = np.maximum(e_z, 0)
-        else:
-            slope_x, slope_y = self.slopes(modes)
-            inverse_norm = 1 / np.sqrt(1 + slope_x**2 + slope_y**2)
-            frame = np.maximum((e_z - e_x * slope_x - e_y * slope_y) * inverse_norm, 0)
-        if gain is not None:
-            frame = frame * np.asarray(gain, np.float32)[:, None, None]
-        return frame
+        channels = np.ones(3, np.float32) if gain is None else np.asarray(gain, np.float32)
+        slope_x, slope_y = (self._flat, self._flat) if modes is None else self.slopes(modes)
+        return shade(self._facet, slope_x, slope_y, channels)
 
     def capture(
         self,
@@ -103,21 +100,16 @@ class Camera:
         weave: NDArray[np.floating] | None = None,
     ) -> NDArray[np.uint8]:
         """A frame (rows, columns, 3) uint8 RGB; no sensor noise where `rng` is None, `weave` as by `dragged_weave`."""
-        frame = self.clean(modes, gain)
+        levels = self.clean(modes, gain)
         if weave is not None:
-            frame = frame * np.asarray(weave, np.float32)
-        if rng is not None:
-            p = self.parameters
-            variance = p.read_noise**2 + p.shot_noise**2 / 255 * frame
-            frame = frame + rng.standard_normal(frame.shape, dtype=np.float32) * (
-                np.sqrt(variance) * np.float32(self._noise_scale)
-            )
-        levels = np.clip(np.rint(frame), 0, 255).astype(np.uint8).transpose(1, 2, 0)
+            levels *= np.asarray(weave, np.float32)
+        read_variance, shot_variance = (0.0, 0.0) if rng is None else self._noise_variance
+        frame = expose(levels, random_words(rng, levels.size), normal_table(), read_variance, shot_variance)
         if self.parameters.view != "full":
-            return np.ascontiguousarray(levels)
+            return frame
         whole = np.full((NATIVE_ROWS, NATIVE_COLUMNS, 3), _HOUSING_GREY, np.uint8)
         left = (NATIVE_COLUMNS - NATIVE_ROWS) // 2
-        whole[:, left : left + NATIVE_ROWS] = levels
+        whole[:, left : left + NATIVE_ROWS] = frame
         return whole
 
     def shift_shape(self, modes: NDArray[np.floating]) -> NDArray[np.float32]:
@@ -132,8 +124,9 @@ class Camera:
         """
         return None if shift_m == (0.0, 0.0) else self._cloth.ratio(shape, shift_m)
 
-    def slopes(self, modes: NDArray[np.floating]) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    def slopes(self, modes: NDArray[np.floating]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Slopes along x and y (rows, columns) at the pixels of a surface with sine `modes`."""
+        modes = np.asarray(modes, np.float32)
         sine_x, cosine_x = self._across
         sine_y, cosine_y = self._down
         return sine_y @ modes @ cosine_x.T, cosine_y @ modes @ sine_x.T
