@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from leaderboard.record import Record, read_predictions, scan_records
-from vtbench.run.folder import read_suite
+from vtbench.run.folder import SUITE_FILE, read_suite
 from vtbench.run.planned import planned
 from vtbench.run.sources import dataset_path
 from vtbench.run.suite import Suite
@@ -17,17 +18,25 @@ def check_run(path: Path | str) -> list[str]:
     """Problems of a run's folder; empty when all is well.
 
     Looks at the suite, the datasets it names, every record, every prediction file, and whether every cell of the suite
-    has its record.
+    has its record. A folder that holds results of models that were handed in, and nothing else, has no suite.
 
     Raises:
         ValueError: no run there at all.
     """
     path = Path(path)
-    suite = read_suite(path)
     records, problems = scan_records(path) if (path / "runs").is_dir() else ([], [])
+    suite = None if only_handed_in(path, records) else read_suite(path)
     for record in records:
         problems += _prediction_problems(path, record)
+    if suite is None:
+        return problems
     return problems + _dataset_problems(suite, path) + _missing(suite, path, records)
+
+
+def only_handed_in(path: Path, records: Sequence[Record]) -> bool:
+    """Whether the records of a folder without a suite are all of models or predictions that were handed in."""
+    suite_there = (path / SUITE_FILE).is_file()
+    return not suite_there and bool(records) and all(record.submission is not None for record in records)
 
 
 def _prediction_problems(path: Path, record: Record) -> list[str]:

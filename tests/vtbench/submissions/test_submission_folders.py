@@ -1,6 +1,7 @@
 """Folders that strangers hand in: every problem by its rule, nobody's mistake costs another, nobody is believed."""
 
 import json
+import shutil
 import zipfile
 from importlib.resources import files
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 import yaml
 
 from leaderboard import build_board
-from leaderboard.record import read_records
+from leaderboard.record import read_records, record_key, write_record
 from leaderboard.submission import Submission, plain_text, slug, web_link
 from tests.vtbench.onnx_eval import graphs
 from tests.vtbench.run import small
@@ -236,6 +237,26 @@ def test_predictions_are_scored_and_never_verified(hand_in, presses, table, tmp_
     assert "claimed 50.0 %" in record.submission.reason
     plain = hand_in("two", id="two", **handed(table["id"], table["label"]))
     assert evaluate_folder(plain, Terms(data=(presses,)), tmp_path / "out")[0].submission.status == "self-reported"
+
+
+def test_a_folder_of_what_others_handed_in_is_whole_without_a_suite(hand_in, presses, table, tmp_path, capsys):
+    out = tmp_path / "out"
+    (record,) = evaluate_folder(hand_in(**handed(table["id"], table["label"])), Terms(data=(presses,)), out)
+    failed = hand_in("none", id="none", **handed(["stranger"], [0]))
+    assert evaluate_folder(failed, Terms(data=(presses,)), out)[0].status.state == "failed"
+    assert main(["validate", str(out)]) == 0
+    assert "ok (evaluations, 2 records)" in capsys.readouterr().out
+
+    own = record.identity.model_copy(update={"method": "knn"})
+    unowned = record.model_copy(update={"identity": own, "key": record_key(own), "submission": None})
+    write_record(out, unowned)
+    assert main(["validate", str(out)]) == 2
+    assert "found no suite.yaml" in capsys.readouterr().err
+
+    shutil.rmtree(out / "runs" / unowned.key)
+    (out / "runs" / record.key / "predictions.npz").write_bytes(b"cut")
+    assert main(["validate", str(out)]) == 2
+    assert "predictions.npz" in capsys.readouterr().err
 
 
 def test_predictions_that_do_not_fit_the_data_fail_with_a_reason(hand_in, presses, table, tmp_path):
