@@ -72,12 +72,14 @@ def load_model(path: Path, model: type[ModelT], *, data: Mapping[str, Any] | Non
         ValueError: one line with file, line, key path, expected and got; a close match for an unknown key.
     """
     if data is not None:
-        return _build(model, dict(data), path, {})
+        return _build(model, dict(data), str(path), {})
     file = read_yaml(path)
-    return _build(model, file.data, path, file.lines)
+    return _build(model, file.data, str(path), file.lines)
 
 
-def load_scene(name_or_path: str | Path, overrides: Mapping[str, Any] | None = None) -> PressScene | SlipScene:
+def load_scene(
+    name_or_path: str | Path, overrides: Mapping[str, Any] | None = None, said: str = ""
+) -> PressScene | SlipScene:
     """A scene by name (`fvsight-press/hard`) or from one's own YAML file (`mine.yaml`, `mine.yaml/hard`).
 
     It is one of presses, or with `kind: slide` one of slides.
@@ -88,6 +90,7 @@ def load_scene(name_or_path: str | Path, overrides: Mapping[str, Any] | None = N
     Args:
         name_or_path: the scene.
         overrides: values to set on top, by dotted key: `{"pose.reseat_mm": 4}`.
+        said: where the overrides are written, to be named instead of the scene's file when they are at fault.
 
     Raises:
         ValueError: unknown scene or variation (with the closest names), or a value that the scene refuses.
@@ -104,16 +107,31 @@ def load_scene(name_or_path: str | Path, overrides: Mapping[str, Any] | None = N
         lines |= {at[2:]: line for at, line in file.lines.items() if at[:2] == (VARIATIONS, variation) and at[2:]}
         if variations[variation]:
             data["id"] = f"{data.get('id', path.stem)}/{variation}"
-    if overrides:
-        data = deep_merge(data, from_dotted(overrides))
-        lines |= {tuple(key.split(".")): 0 for key in overrides}  # not written in the file
+    if not overrides:
+        return _scene(data, str(path), lines)
+    try:
+        merged = deep_merge(data, from_dotted(overrides))
+        return _scene(merged, "", {}) if said else _scene(merged, str(path), _unwritten(lines, overrides))
+    except ValueError as error:
+        if not said:
+            raise
+        _scene(data, str(path), lines)  # a scene that is wrong by itself is named
+        raise ValueError(f"{said}: {error}") from None
+
+
+def _unwritten(lines: Mapping[KeyPath, int], overrides: Mapping[str, Any]) -> dict[KeyPath, int]:
+    """Lines of a file's keys, none of those that were set from outside."""
+    return dict(lines) | {tuple(key.split(".")): 0 for key in overrides}
+
+
+def _scene(data: dict[str, Any], source: str, lines: Mapping[KeyPath, int]) -> PressScene | SlipScene:
     if data.get("kind") == "slide":
         from sensors.slide import SlipScene
 
-        return _build(SlipScene, data, path, lines)
+        return _build(SlipScene, data, source, lines)
     from sensors.scene import PressScene
 
-    return _build(PressScene, data, path, lines)
+    return _build(PressScene, data, source, lines)
 
 
 def load_suite(name_or_path: str | Path) -> Suite:
@@ -149,7 +167,7 @@ def variation_names(name_or_path: str | Path) -> list[str]:
     return [] if variation else list(_variations(read_yaml(path)))
 
 
-def _build(model: type[ModelT], data: dict[str, Any], path: Path, lines: Mapping[KeyPath, int]) -> ModelT:
+def _build(model: type[ModelT], data: dict[str, Any], source: str, lines: Mapping[KeyPath, int]) -> ModelT:
     import pydantic
 
     from vtbench.validation import one_line
@@ -157,7 +175,7 @@ def _build(model: type[ModelT], data: dict[str, Any], path: Path, lines: Mapping
     try:
         return model.model_validate(data)
     except pydantic.ValidationError as error:
-        raise ValueError(one_line(error, model, data, str(path), lines)) from None
+        raise ValueError(one_line(error, model, data, source, lines)) from None
 
 
 def _files(kind: str) -> dict[str, Path]:

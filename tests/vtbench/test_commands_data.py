@@ -165,8 +165,41 @@ def test_a_suite_is_checked_with_its_scenes(refused, tmp_path):
         "id: mine\ntitle: t\ndatasets:\n  - {id: paper, scene: fvsight-press, set: {pose.reseat_m: 1}}\n"
         "entries:\n  - {task: objects/deep/v1, variants: [paper], methods: [svm]}\n"
     )
-    assert "dataset paper: " in (line := refused("validate", path))
-    assert "pose.reseat_m: unknown key; did you mean 'reseat_mm'" in line
+    said = "dataset paper: set: pose.reseat_m: unknown key; did you mean 'reseat_mm' or 'reseat_deg'?"
+    assert refused("validate", path) == f"{path}: {said}"
+    assert refused("run", path, "-o", tmp_path / "out") == f"{path}: {said}"
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("pose.reseat_mm", "far", "set: pose.reseat_mm: expected a number, got 'far'"),
+        ("pose..x", "1", "set: expected a key such as 'pose.shift_mm', got 'pose..x'"),
+        ("pose", "3", "set: pose: expected a mapping for Pose, got 3"),
+        ("pose.jitter_mm.x", "3", "set: pose.jitter_mm: expected a number"),
+        ("kind", "slide", "set: "),
+    ],
+)
+def test_a_value_that_a_suite_sets_is_blamed_on_the_suite(refused, tmp_path, key, value, said):
+    path = tmp_path / "suite.yaml"
+    path.write_text(
+        f"id: mine\ntitle: t\ndatasets:\n  - {{id: paper, scene: fvsight-press/hard, set: {{{key}: {value}}}}}\n"
+        "entries:\n  - {task: objects/deep/v1, variants: [paper], methods: [svm]}\n"
+    )
+    line = refused("validate", path)
+    assert line.startswith(f"{path}: dataset paper: {said}")
+    assert "fvsight-press" not in line
+
+
+def test_a_scene_that_is_wrong_by_itself_is_not_blamed_on_the_suite(refused, scene, tmp_path):
+    scene.write_text(SCENE + "laod: {}\n")
+    path = tmp_path / "suite.yaml"
+    path.write_text(
+        f"id: mine\ntitle: t\ndatasets:\n  - {{id: paper, scene: {scene}, set: {{pose.reseat_mm: 1}}}}\n"
+        "entries:\n  - {task: objects/deep/v1, variants: [paper], methods: [svm]}\n"
+    )
+    assert f"dataset paper: {scene}:6: laod: unknown key; did you mean 'load'?" in refused("validate", path)
 
 
 def test_a_folder_with_nothing_to_check_says_what_was_expected(refused, tmp_path):

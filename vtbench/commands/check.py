@@ -142,7 +142,8 @@ def _run(path: Path) -> Verdict:
 
     problems = check_run(path)
     count = len(list(path.glob("runs/*/record.json")))
-    return Verdict(str(path), "run", count_text(count, "record"), problems)
+    kind = "run" if (path / "suite.yaml").exists() else "evaluations"
+    return Verdict(str(path), kind, count_text(count, "record"), problems)
 
 
 def _config(path: Path) -> Verdict:
@@ -185,7 +186,8 @@ def suite_problems(suite: Suite) -> list[str]:
     problems = []
     for spec in suite.datasets:
         if spec.scene is not None:
-            problems += [f"dataset {spec.id}: {problem}" for problem in _problems(load_scene, spec.scene, spec.set)]
+            found = _problems(load_scene, spec.scene, spec.set, "set")
+            problems += [f"dataset {spec.id}: {problem}" for problem in found]
     for name, own in suite.methods.items():
         problems += [f"method {name}: {problem}" for problem in _problems(_build_once, name, own)]
     return [*problems, *_wrong_feeds(suite)]

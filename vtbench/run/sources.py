@@ -50,7 +50,7 @@ def prepare_datasets(suite: Suite, out: Path, jobs: int, progress: bool, cluster
         from vtbench.config import load_scene
         from vtbench.data.opening import write_scene
 
-        scene = load_scene(spec.scene, spec.set)
+        scene = load_scene(spec.scene, spec.set, f"dataset {spec.id}: set")
         if (path / "dataset.json").is_file():
             _check_same(path, read_meta(path), spec, scene)
             continue
