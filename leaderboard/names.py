@@ -16,6 +16,8 @@ CLASSIFIERS = {
     "svm": "SVM",
     "late-fusion": "network, late fusion",
     "fusion-transformer": "network, transformer",
+    "late-fusion-no-dropout": "network, late fusion, no modality dropout",
+    "fusion-transformer-no-dropout": "network, transformer, no modality dropout",
 }
 DETECTORS = {
     "covariance": "covariance",
@@ -40,6 +42,7 @@ MODALITIES = {
     "pixels-change": "pixels of the change",
     "fused-pixels": "force in time + pixels",
     "fused-pixels-change": "force in time + pixels of the change",
+    "fused-pixels-change-equal": "force in time + pixels of the change, equal",
     "force-series": "force in time",
     "force-series-image": "force in time + image",
     "spectrum": "spectrum",

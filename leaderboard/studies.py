@@ -11,7 +11,7 @@ from leaderboard.frame import Row, latest, records_of
 from leaderboard.names import METHODS, MODALITIES, SPLITS, order, title
 from leaderboard.views import Cell, Column, View, breaks_of, paled, score_cell
 
-ALONE = ("force", "image", "image-change", "change")
+ALONE = ("force", "image", "image-change", "change", "pixels-change", "force-series")
 """Feeds of one modality: their curves are broken lines."""
 
 

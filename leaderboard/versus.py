@@ -85,6 +85,29 @@ def between(first: Iterable[Record], second: Iterable[Record], names: Sequence[s
     return pairs
 
 
+def across(records: Iterable[Record], variant: str, names: Sequence[str] = ()) -> list[Pair]:
+    """Return each method on the other variants of a task, against itself on `variant`; the same split and data.
+
+    ValueError for a variant or a name that is not there, or no method that was scored on two variants.
+    """
+    kept = usable(records)
+    _known(names, kept)
+    there = sorted({record.identity.variant for record in kept})
+    if variant not in there:
+        raise ValueError(f"no scored method on variant {variant!r}; there is {', '.join(there) or 'none'}")
+    start = {_level(record): record for record in kept if record.identity.variant == variant}
+    pairs = [
+        (record, start[_level(record)])
+        for record in kept
+        if record.identity.variant != variant
+        and _level(record) in start
+        and (not names or any(_named(record, name) for name in names))
+    ]
+    if not pairs:
+        raise ValueError(f"no method was scored on {variant!r} and on another variant of the same samples")
+    return sorted(pairs, key=lambda pair: (protocol_of(pair[0]), -_goodness(pair[0])))
+
+
 def compare_pairs(
     pairs: Sequence[Pair], tallies: tuple[Tallies, Tallies], near: Mapping[str, str], margin: float = MARGIN
 ) -> list[Versus]:
@@ -197,6 +220,13 @@ def _cell(record: Record, crossed: bool = False) -> tuple[str, ...]:
     who = record.identity
     protocol = (who.task, who.variant, who.split)
     return protocol if crossed else (*protocol, who.method, fed_with(who.modality, who.params))
+
+
+def _level(record: Record) -> tuple[str, ...]:
+    """What two records share that differ in nothing but the variant."""
+    who = record.identity
+    fed = fed_with(who.modality, who.params)
+    return who.task, who.split, who.dataset_hash, str(who.protocol_version), who.method, fed
 
 
 def protocol_of(record: Record) -> tuple[str, ...]:

@@ -1,5 +1,7 @@
 """Every registered classifier goes through the same battery, fed two modalities as a run feeds them."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -20,7 +22,13 @@ def samples(n: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return X, y
 
 
+@cache
 def fitted(method_id: str):
+    """The method fitted once; a test that needs two fits asks for a new one."""
+    return newly_fitted(method_id)
+
+
+def newly_fitted(method_id: str):
     method = METHODS.get(method_id)
     first = {name: values[0] for name, values in method.choices.items()}
     model = method.build(GROUPS, WEIGHTS, first)
@@ -36,7 +44,7 @@ class TestEveryMethod:
 
     def test_the_same_data_give_the_same_labels(self, method_id):
         X, _ = samples(40, 3)
-        assert np.array_equal(fitted(method_id).predict(X), fitted(method_id).predict(X))
+        assert np.array_equal(fitted(method_id).predict(X), newly_fitted(method_id).predict(X))
 
     def test_one_by_one_equals_batch(self, method_id):
         X, _ = samples(20, 4)

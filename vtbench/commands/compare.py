@@ -35,6 +35,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
             "vtbench compare out/quick --methods ksc@force svm@force",
             "vtbench compare out/before out/after --margin 1",
             "vtbench compare out/fvsight --paper",
+            "vtbench compare out/nets --task robustness/v1 --from clean",
         ),
     )
     parser.add_argument(
@@ -45,6 +46,13 @@ def add(commands: _SubParsersAction[Parser]) -> None:
     parser.add_argument("--methods", metavar="M", nargs="+", default=[], help="method@modality, or a record's key")
     parser.add_argument(
         "--paper", action="store_true", help="which of the FVSight paper's orderings hold in this run, and which do not"
+    )
+    parser.add_argument(
+        "--from",
+        dest="start",
+        metavar="VARIANT",
+        help="what each method gains or loses from this variant of its task to every other, such as robustness/v1's "
+        "clean",
     )
     parser.add_argument(
         "--margin",
@@ -79,6 +87,12 @@ def run(args: Namespace) -> int:
     for records, _ in runs:
         near |= reached(records_frame(records))
     kept = [_kept(records, args) for records, _ in runs]
+    if args.start is not None:
+        from vtbench.commands.compare_variants import print_changes
+
+        if len(runs) != 1 or args.paper:
+            raise ValueError("--from compares the variants of one run; leave --paper and a second run out")
+        return print_changes(kept[0], runs[0][1], near, args)
     if args.paper:
         from vtbench.commands.compare_paper import print_orderings
 

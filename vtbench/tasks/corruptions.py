@@ -22,7 +22,7 @@ Frame = NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class ForceFault:
-    """A fault of the array; `apply` takes the forces (taxels,) of a press in newtons."""
+    """A fault of the array; `apply` takes forces (..., taxels) of a press in newtons, and spoils all steps alike."""
 
     about: str
     apply: Callable[[Features, Generator], Features]
@@ -39,18 +39,18 @@ class FrameFault:
 def dead(count: int, force: Features, rng: Generator) -> Features:
     """`count` taxels at random read 0 N; all of them where there are no more."""
     out = force.copy()
-    out[rng.permutation(len(force))[:count]] = 0
+    out[..., rng.permutation(force.shape[-1])[:count]] = 0
     return out
 
 
 def gain_drift(spread: float, force: Features, rng: Generator) -> Features:
     """Each taxel's gain is off by a normal factor of relative standard deviation `spread`."""
-    return force * rng.normal(1, spread, force.shape).astype(np.float32)
+    return force * rng.normal(1, spread, force.shape[-1:]).astype(np.float32)
 
 
 def force_noise(deviation_n: float, force: Features, rng: Generator) -> Features:
-    """Normal noise of `deviation_n` newtons on each taxel of the averaged reading."""
-    return force + rng.normal(0, deviation_n, force.shape).astype(np.float32)
+    """Normal noise of `deviation_n` newtons on each taxel of the averaged reading; on a history, a constant error."""
+    return force + rng.normal(0, deviation_n, force.shape[-1:]).astype(np.float32)
 
 
 def frame_noise(levels: float, frame: Frame, rest: Frame, rng: Generator) -> Frame:
@@ -100,7 +100,7 @@ def drawn_for(sample: str, fault: str) -> Generator:
 
 
 def faulty_forces(fault: str, force: Features, ids: Sequence[str]) -> Features:
-    """Forces (n, taxels) with one of `FORCE_FAULTS`."""
+    """Forces (n, taxels), or histories (n, steps, taxels), with one of `FORCE_FAULTS`: the same one in either."""
     apply = FORCE_FAULTS[fault].apply
     return np.array([apply(f, drawn_for(i, fault)) for f, i in zip(force, ids, strict=True)], np.float32)
 

@@ -158,6 +158,15 @@ def test_a_fault_of_the_array_does_not_depend_on_the_other_samples(fault):
         assert (got[got != force] == 0).all()
 
 
+@pytest.mark.parametrize("fault", FORCE_FAULTS)
+def test_a_history_has_the_fault_of_its_press_at_every_step(fault):
+    force = RNG.gamma(2.0, 1.0, (12, 16)).astype(np.float32)
+    still = np.repeat(force[:, None], 5, axis=1)
+    np.testing.assert_array_equal(
+        faulty_forces(fault, still, IDS), np.repeat(faulty_forces(fault, force, IDS)[:, None], 5, axis=1)
+    )
+
+
 @pytest.mark.parametrize("fault", FRAME_FAULTS)
 def test_a_fault_of_the_camera_leaves_the_rest_frame_and_the_other_samples_alone(fault):
     frames, rest = RNG.integers(0, 256, (2, 12, 24, 24, 3), dtype=np.uint8)
@@ -198,6 +207,28 @@ def test_a_bit_of_touch_is_the_resolution_of_a_taxel(load):
     np.testing.assert_array_equal(data.block("contact")[:, 0], data.block("touched").max(1))
     with pytest.raises(NotPossibleError, match="pressure"):
         data.block("pressure")
+
+
+def test_a_faulty_press_is_equally_faulty_for_a_net(load):
+    """Pixels are of the spoilt frames, and the histories of dead taxels are zero where the averaged force is."""
+    data = load("robustness/v1")
+    np.testing.assert_array_equal(data.block("pixels-change~blur-2px"), data.block("image-change~blur-2px"))
+    histories = data.block("force-series~dead-8").reshape(len(data), presses.STEPS, -1)
+    dead = data.block("force~dead-8") == 0
+    assert (dead.sum(1) >= 8).all()
+    np.testing.assert_array_equal((histories == 0).all(1), dead)
+
+
+def test_every_feed_of_the_robustness_study_meets_every_fault_of_its_modality():
+    """A feed that a variant forgot would be scored on clean presses under the fault's name."""
+    task = TASKS.get("robustness/v1")
+    array = {*FORCE_FAULTS, "no-force"}
+    for name, variant in task.variants.items():
+        for feed in task.modalities.values():
+            for block in feed.blocks:
+                of_array = block.name.startswith("force")
+                hit = name != "clean" and (name in array) is of_array
+                assert (block.name in variant.stand_ins) is hit
 
 
 @pytest.mark.parametrize("task", STUDIES)

@@ -16,6 +16,8 @@ for _method in (
     fabric.INCREMENTAL,
     neural.LATE_FUSION,
     neural.TRANSFORMER,
+    neural.LATE_FUSION_WHOLE,
+    neural.TRANSFORMER_WHOLE,
 ):
     METHODS.register(_method.id)(_method)
 

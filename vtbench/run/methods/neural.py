@@ -7,6 +7,8 @@ hours, so that a net is compared with methods that do choose.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
+from typing import Any
 
 from vtbench.run.methods.base import Classifier, Groups, Method, Params
 from vtbench.tasks.presses import MODALITIES
@@ -16,16 +18,11 @@ VERSION = 1
 """Raised when the nets or their defaults change."""
 
 
-def _late_fusion(groups: Groups, weights: Mapping[str, float], params: Params) -> Classifier:
-    from fusion.neural import LateFusionNet
+def _build(name: str, fixed: Params, groups: Groups, weights: Mapping[str, float], params: Params) -> Classifier:
+    import fusion.neural
 
-    return LateFusionNet(dict(groups), _shapes(groups), **params)
-
-
-def _transformer(groups: Groups, weights: Mapping[str, float], params: Params) -> Classifier:
-    from fusion.neural import FusionTransformer
-
-    return FusionTransformer(dict(groups), _shapes(groups), **params)
+    net: Classifier = getattr(fusion.neural, name)(dict(groups), _shapes(groups), **fixed, **params)
+    return net
 
 
 def _shapes(groups: Groups) -> dict[str, tuple[int, ...]]:
@@ -33,21 +30,30 @@ def _shapes(groups: Groups) -> dict[str, tuple[int, ...]]:
     return {name: SHAPES[name] for name in groups if name in SHAPES}
 
 
-LATE_FUSION = Method(
-    "late-fusion",
-    "net with an encoder for each modality, joined late; learns for minutes",
-    _late_fusion,
-    preprocess="none",
-    shaped=True,
-    learns=True,
-    source={"version": VERSION},
+def _net(method_id: str, about: str, name: str, **fixed: Any) -> Method:
+    return Method(
+        method_id,
+        about,
+        partial(_build, name, fixed),
+        preprocess="none",
+        shaped=True,
+        learns=True,
+        source={"version": VERSION, **fixed},
+    )
+
+
+LATE_FUSION = _net(
+    "late-fusion", "net with an encoder for each modality, joined late; learns for minutes", "LateFusionNet"
 )
-TRANSFORMER = Method(
-    "fusion-transformer",
-    "small transformer over patches, taxels and time; learns for minutes",
-    _transformer,
-    preprocess="none",
-    shaped=True,
-    learns=True,
-    source={"version": VERSION},
+TRANSFORMER = _net(
+    "fusion-transformer", "small transformer over patches, taxels and time; learns for minutes", "FusionTransformer"
+)
+LATE_FUSION_WHOLE = _net(
+    "late-fusion-no-dropout", "late-fusion learnt without modality dropout", "LateFusionNet", modality_dropout=0.0
+)
+TRANSFORMER_WHOLE = _net(
+    "fusion-transformer-no-dropout",
+    "fusion-transformer learnt without modality dropout",
+    "FusionTransformer",
+    modality_dropout=0.0,
 )
