@@ -22,10 +22,11 @@ from pydantic import (
     model_serializer,
 )
 
+from sensors.contact.direct import solve_load_direct
 from sensors.contact.grid import Grid
 from sensors.contact.layer import LayerCompliance, LayerMaterial
 from sensors.contact.skin import SkinCompliance, SkinMaterial, sine_basis
-from sensors.contact.solver import ContactSolution, solve_load
+from sensors.contact.solver import ContactSolution
 from sensors.electronics.piezoresistive import PRESETS, PiezoresistiveChain, Preset
 from sensors.electronics.scanning import Scanning
 from sensors.optics.camera import Camera, CameraParameters, View
@@ -35,7 +36,9 @@ from sensors.optics.lights import LedRing
 TAXELS_PER_SIDE = 4
 FORCE_RATE_HZ = 1000.0
 FRAME_TOLERANCE = 3e-4
-"""Of the contact solve; over the 27 objects it moves no pixel by 0.1 grey levels, no taxel by 0.01 N: below noise."""
+"""Of a contact too large for the direct solve; moves no pixel by 0.1 grey levels, no taxel by 0.01 N: below noise."""
+_GUESS_CELLS = 64
+"""Cells along a side of the coarsest grid on which a contact is looked for."""
 _VARIANTS = ("taxels", "scanning", "dead_taxels", "creep")
 _UNIT_ENTROPY = 0x5F5349
 """A unit is the same physical sensor in every run: its traits depend on its number alone."""
@@ -151,6 +154,14 @@ class FVSightUnit:
         return SkinCompliance(self.grid, self.skin, np.float32)
 
     @cached_property
+    def levels(self) -> tuple[SkinCompliance | LayerCompliance, ...]:
+        """The contact rung on grids that double from the first guess's to its own."""
+        levels = [self.compliance]
+        while levels[0].grid.n >= 2 * _GUESS_CELLS and levels[0].grid.n % 2 == 0:
+            levels.insert(0, levels[0].coarser())
+        return tuple(levels)
+
+    @cached_property
     def camera(self) -> Camera:
         """The unit's camera with its own LEDs and cloth."""
         nominal = LedRing()
@@ -201,7 +212,7 @@ class FVSightUnit:
         tolerance: float = FRAME_TOLERANCE,
     ) -> ContactSolution:
         """The contact alone; see `press`."""
-        contact = solve_load(self.compliance, gap, load_n, initial=initial, tolerance=tolerance)
+        contact = solve_load_direct(self.levels, gap, load_n, initial=initial, tolerance=tolerance)
         if self.parameters.support == "hollow":
             self._refuse_stretching(contact.indentation_m, load_n)
         return contact

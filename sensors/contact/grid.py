@@ -34,6 +34,12 @@ class Grid:
         """Area of a cell in square metres."""
         return self.pitch_m**2
 
+    def coarser(self) -> Grid:
+        """The same square in half as many cells along a side."""
+        if self.n % 2:
+            raise ValueError(f"a grid of {self.n} cells along a side has no half")
+        return Grid(self.n // 2, self.size_m)
+
     def axis(self) -> NDArray[np.float64]:
         """Cell centres along one axis in metres, shape (n,)."""
         return (np.arange(self.n, dtype=np.float64) + 0.5) * self.pitch_m - self.size_m / 2

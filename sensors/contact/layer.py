@@ -96,6 +96,10 @@ class LayerCompliance(SpectralCompliance):
         super().__init__(grid, material.surface_compliance(padded_wave_numbers(grid)), dtype)
         self._base = material.base_transfer(padded_wave_numbers(grid)).astype(self.dtype)
 
+    def coarser(self) -> LayerCompliance:
+        """The same layer on a grid of half as many cells along a side."""
+        return LayerCompliance(self.grid.coarser(), self.material, self.dtype.type)
+
     def base_pressure(self, pressure: NDArray[np.floating]) -> NDArray[np.floating]:
         """Normal stress that the base feels (Pa) under `pressure` on top, both (n, n); same sum."""
         return self.filter(pressure, self._base)

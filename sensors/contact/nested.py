@@ -38,12 +38,10 @@ def solve_load_nested(
 
     `gap` (n, n) is on the finest grid. Raises ValueError where the levels do not double, and as `solve_load` does.
     """
-    sizes = [level.grid.n for level in levels]
-    if not levels or any(fine != 2 * coarse for coarse, fine in pairwise(sizes)):
-        raise ValueError(f"nested grids must double from the coarsest to the finest, got {sizes}")
+    check_levels(levels)
     if len(levels) == 1:
         return solve_load(levels[0], gap, force_n, tolerance=tolerance)
-    coarse = solve_load_nested(levels[:-1], _halved(gap), force_n, tolerance=max(tolerance, _COARSE_TOLERANCE))
+    coarse = solve_load_nested(levels[:-1], coarsened(gap), force_n, tolerance=max(tolerance, _COARSE_TOLERANCE))
     if not coarse.contact.any():
         return solve_load(levels[-1], gap, force_n, tolerance=tolerance)
     start = np.kron(coarse.pressure, np.ones((2, 2), coarse.pressure.dtype))
@@ -55,7 +53,14 @@ def solve_load_nested(
     return solve_load(levels[-1], gap, force_n, initial=solution.pressure, tolerance=tolerance)
 
 
-def _halved(gap: Floats) -> Floats:
+def check_levels(levels: Sequence[Compliance]) -> None:
+    """ValueError where the cells of a side do not double from each level to the next."""
+    sizes = [level.grid.n for level in levels]
+    if not levels or any(fine != 2 * coarse for coarse, fine in pairwise(sizes)):
+        raise ValueError(f"nested grids must double from the coarsest to the finest, got {sizes}")
+
+
+def coarsened(gap: Floats) -> Floats:
     """Mean gap of each two by two cells that hold a surface; none where none does."""
     n = gap.shape[0] // 2
     blocks = gap.reshape(n, 2, n, 2)

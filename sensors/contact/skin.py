@@ -11,11 +11,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sensors.contact.grid import Grid
+from sensors.contact.influence import mirrored, sine_table
 from sensors.contact.layer import LayerMaterial
 
 
@@ -87,6 +89,7 @@ class SkinCompliance:
         total = plate + material.film.surface_compliance(np.sqrt(k_squared))
         self._basis = sine_basis((np.arange(grid.n) + 0.5) / grid.n, grid.n).astype(self.dtype)
         self._plate = plate.astype(self.dtype)
+        self._symbol = total
         self._total = total.astype(self.dtype)
         self._inverse = (total.min() / total).astype(self.dtype)
         self._base = material.film.base_transfer(np.sqrt(k_squared)).astype(self.dtype)
@@ -112,6 +115,18 @@ class SkinCompliance:
         """Normal stress (Pa) that the film's base feels, where the taxels lie, (n, n)."""
         return self._basis @ (self.modes(pressure) * self._base) @ self._basis.T
 
+    def influence(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.float64]:
+        """Displacement (m) of each of the cells under unit pressure (Pa) on each: (cells, cells), symmetric."""
+        return mirrored(self._influence_table, rows, columns)
+
+    @cached_property
+    def _influence_table(self) -> NDArray[np.float64]:
+        return sine_table(self._symbol)
+
+    def coarser(self) -> SkinCompliance:
+        """The same skin on a grid of half as many cells along a side."""
+        return SkinCompliance(self.grid.coarser(), self.material, self.dtype.type)
+
     def window(self, rows: slice, columns: slice) -> SkinWindow:
         """The compliance restricted to a rectangle of the grid."""
         return SkinWindow(self._basis[rows], self._basis[columns], self._total, self._inverse)
@@ -131,7 +146,9 @@ class SkinWindow:
 
     def displacement(self, pressure: NDArray[np.floating]) -> NDArray[np.floating]:
         """Displacement of the touched face (m) inside the window."""
-        return self._apply(pressure, self.symbol)
+        rows, columns = loaded_window(pressure)
+        modes = self.rows[rows].T @ pressure[rows, columns] @ self.columns[columns]
+        return self.rows @ (modes * self.symbol) @ self.columns.T
 
     def precondition(self, residual: NDArray[np.floating]) -> NDArray[np.floating]:
         """The inverse symbol between the window's rows and columns."""

@@ -59,14 +59,10 @@ def solve_load(
     violation relative to the work of the load. Raises ValueError for bad input or a load without a surface to carry
     it, ConvergenceError when `max_iterations` do not suffice.
     """
-    gap = _checked(compliance, gap)
-    if not force_n >= 0 or not np.isfinite(force_n):
-        raise ValueError(f"force_n must be finite and >= 0, got {force_n}")
+    gap = check_load(compliance, gap, force_n)
     if force_n == 0:
         return _no_contact(compliance, gap, 0.0)
-    if not np.isfinite(gap).any():
-        raise ValueError("a load needs a surface to carry it, but the gap is infinite everywhere")
-    problem = _Problem(compliance, gap, _finite_window(gap), force_n / compliance.grid.cell_area_m2, None)
+    problem = _Problem(compliance, gap, finite_window(gap), force_n / compliance.grid.cell_area_m2, None)
     return problem.solve(initial, tolerance, max_iterations)
 
 
@@ -90,6 +86,16 @@ def solve_indentation(
     return problem.solve(initial, tolerance, max_iterations)
 
 
+def check_load(compliance: Compliance, gap: NDArray[np.floating], force_n: float) -> NDArray[np.floating]:
+    """`gap` in the compliance's precision; ValueError as `solve_load` says."""
+    gap = _checked(compliance, gap)
+    if not force_n >= 0 or not np.isfinite(force_n):
+        raise ValueError(f"force_n must be finite and >= 0, got {force_n}")
+    if force_n > 0 and not np.isfinite(gap).any():
+        raise ValueError("a load needs a surface to carry it, but the gap is infinite everywhere")
+    return gap
+
+
 def _checked(compliance: Compliance, gap: NDArray[np.floating]) -> NDArray[np.floating]:
     n = compliance.grid.n
     if gap.shape != (n, n):
@@ -108,7 +114,8 @@ def _bounding_window(mask: NDArray[np.bool_]) -> Window:
     return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
 
 
-def _finite_window(gap: NDArray[np.floating]) -> Window:
+def finite_window(gap: NDArray[np.floating]) -> Window:
+    """Smallest rectangle that holds every cell with an object over it."""
     return _bounding_window(np.isfinite(gap))
 
 

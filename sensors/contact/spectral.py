@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
 from sensors.contact.grid import Grid
+from sensors.contact.influence import translated
 
 
 def padded_wave_numbers(grid: Grid) -> NDArray[np.float64]:
@@ -44,6 +47,15 @@ class SpectralCompliance:
     def displacement(self, pressure: NDArray[np.floating]) -> NDArray[np.floating]:
         """Displacement of the touched surface (m) under `pressure` (Pa), both (n, n)."""
         return self.filter(pressure, self._symbol)
+
+    def influence(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.float64]:
+        """Displacement (m) of each of the cells under unit pressure (Pa) on each: (cells, cells), symmetric."""
+        return translated(self._influence_table, rows, columns)
+
+    @cached_property
+    def _influence_table(self) -> NDArray[np.float64]:
+        n = self.grid.n
+        return np.ascontiguousarray(self._kernel[:n, :n], np.float64)
 
     def window(self, rows: slice, columns: slice) -> SpectralWindow:
         """The compliance inside a rectangle: the same influence coefficients, on a smaller FFT."""
