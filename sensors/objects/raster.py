@@ -51,16 +51,38 @@ def place(name: str, grid_n: int, size_m: float, x_m: float, y_m: float, angle_r
     patch = _patch(name, RASTER_N, RASTER_SIZE_M)
     pitch = RASTER_SIZE_M / RASTER_N
     samples = max(1, round(size_m / grid_n / pitch))
-    fine_n = grid_n * samples
-    step = size_m / fine_n
-    turn = np.array([[np.cos(angle_rad), np.sin(angle_rad)], [-np.sin(angle_rad), np.cos(angle_rad)]])
+    step = size_m / (grid_n * samples)
+    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
+    turn = np.array([[cosine, sine], [-sine, cosine]])
     corner = np.array([0.5 * step - 0.5 * size_m - x_m, 0.5 * step - 0.5 * size_m - y_m])
     start = turn @ corner / pitch + 0.5 * RASTER_N - 0.5 - np.array([patch.column, patch.row])
     matrix = np.column_stack([turn * (step / pitch), start])
-    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    fine = cv2.warpAffine(patch.heights, matrix, (fine_n, fine_n), flags=flags, borderMode=cv2.BORDER_CONSTANT)
-    placed: Raster = fine if samples == 1 else cv2.resize(fine, (grid_n, grid_n), interpolation=cv2.INTER_AREA)
+    placed = np.zeros((grid_n, grid_n), np.float32)
+    rows, columns = _met(patch, matrix, samples, grid_n)
+    if rows.stop > rows.start and columns.stop > columns.start:
+        placed[rows, columns] = _cells(patch, matrix, samples, rows, columns)
     return placed
+
+
+def _met(patch: _Patch, matrix: NDArray[np.float64], samples: int, grid_n: int) -> tuple[slice, slice]:
+    """Rows and columns of the grid's cells with samples inside the patch, where `matrix` takes samples to its cells."""
+    height, width = patch.heights.shape
+    ends = np.array([[-1, width, -1, width], [-1, -1, height, height]])
+    column, row = np.linalg.solve(matrix[:, :2], ends - matrix[:, 2:]) / samples
+    low = np.clip(np.floor([row.min(), column.min()]), 0, grid_n).astype(int)
+    high = np.clip(np.ceil([row.max(), column.max()]) + 1, 0, grid_n).astype(int)
+    return slice(low[0], high[0]), slice(low[1], high[1])
+
+
+def _cells(patch: _Patch, matrix: NDArray[np.float64], samples: int, rows: slice, columns: slice) -> Raster:
+    """Means of `samples` x `samples` interpolated heights over these cells."""
+    origin = np.array([columns.start * samples, rows.start * samples])
+    shifted = np.column_stack([matrix[:, :2], matrix[:, 2] + matrix[:, :2] @ origin])
+    shape = (columns.stop - columns.start, rows.stop - rows.start)
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    fine_shape = (shape[0] * samples, shape[1] * samples)
+    fine: Raster = cv2.warpAffine(patch.heights, shifted, fine_shape, flags=flags, borderMode=cv2.BORDER_CONSTANT)
+    return fine if samples == 1 else np.asarray(cv2.resize(fine, shape, interpolation=cv2.INTER_AREA))
 
 
 @lru_cache(maxsize=128)

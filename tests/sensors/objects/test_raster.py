@@ -82,6 +82,15 @@ def test_coarse_cells_are_means_of_fine_cells_in_any_pose():
     assert np.abs(fine.reshape(64, 4, 64, 4).mean(axis=(1, 3)) - coarse).max() < 3e-5
 
 
+@pytest.mark.parametrize("name", ["comb", "coin-1-euro", "shaver"])
+def test_a_sensor_sees_the_middle_of_what_a_larger_one_sees(name):
+    for x, y, angle in ((0.0, 0.0, 0.0), (0.031, -0.012, 0.8), (-0.045, 0.038, 2.9)):
+        small = place(name, 64, REGION, x, y, angle)
+        large = place(name, 112, 1.75 * REGION, x, y, angle)
+        assert large.any()
+        assert np.abs(large[24:-24, 24:-24] - small).max() < 2e-6
+
+
 def test_the_table_lies_beyond_the_raster():
     far = place("fork", 128, REGION, 1.0, 1.0, 0.2)
     assert not far.any()
