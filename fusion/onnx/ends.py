@@ -39,6 +39,20 @@ def backbone_features(g: Graph, backbone: Backbone, frames: str) -> str:
     return g.double(g.include(backbone.onnx_model(), {"images": frames}, "features"))
 
 
+def halves(g: Graph, decision: str) -> str:
+    """Scores (N, 2), minus and plus half, of a decision (N, 1) between two classes, as every classifier answers it.
+
+    The difference of two scores would lose digits where each is written in float32 and both are large.
+    """
+    return g.op("Concat", g.op("Mul", decision, -0.5), g.op("Mul", decision, 0.5), axis=1)
+
+
+def between_two(g: Graph, scores: str) -> str:
+    """Scores (N, 2) with the same difference that add up to 0."""
+    first, second = (g.op("Slice", scores, integers(i), integers(i + 1), integers(1)) for i in (0, 1))
+    return halves(g, g.op("Sub", second, first))
+
+
 def score_output(g: Graph, scores: str, classes: Sequence[int], n_classes: int, finite: Sequence[str]) -> None:
     """Declare `scores` (N, n_classes) float32 of scores (N, len(classes)), double.
 

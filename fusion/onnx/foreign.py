@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fusion.onnx.builder import OPSET, Graph
+from fusion.onnx.ends import halves
 
 ML_OPSET = 3
 
@@ -37,5 +38,5 @@ def through_skl2onnx(g: Graph, estimator: Any, x: str) -> str:
         and len(estimator.classes_) == 2
         and model.graph.output[1].type.tensor_type.shape.dim[-1].dim_value == 1
     ):
-        return g.op("Concat", g.op("Mul", made, -0.5), g.op("Mul", made, 0.5), axis=1)
+        return halves(g, made)
     return made

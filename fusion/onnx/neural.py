@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fusion.onnx.builder import Graph, integers
+from fusion.onnx.ends import between_two
 
 
 def fusion_net(g: Graph, estimator: Any, x: str) -> str:
-    """`fusion.neural.LateFusionNet` and `FusionTransformer`: logits, every modality there."""
+    """`fusion.neural.LateFusionNet` and `FusionTransformer`: logits, every modality there; of two classes, minus and
+    plus half of the decision."""
     layout = estimator._net.layout
     parts = {}
     for part in layout.parts:
@@ -22,7 +24,7 @@ def fusion_net(g: Graph, estimator: Any, x: str) -> str:
         flat = Value(g, columns, (-1, len(part.columns)))
         parts[part.name] = ((flat - scale.mean.ravel()) / scale.spread.ravel()).reshape(-1, *part.shape)
     logits: Value = estimator._net.logits(GraphOps(), estimator._weights, parts)
-    return logits.name
+    return between_two(g, logits.name) if len(estimator.classes_) == 2 else logits.name
 
 
 class Value:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fusion.onnx.builder import Graph, integers
+from fusion.onnx.ends import between_two
 from fusion.onnx.kernels import GraphKernel, kernel_rows
 from fusion.pursuit import DOUBTFUL_PIVOT, EPS
 
@@ -28,7 +29,7 @@ class Codes:
 
 
 def sparse_coding(g: Graph, estimator: Any, x: str) -> str:
-    """`fusion.KSC` and `fusion.JKSC`: minus the class residuals."""
+    """`fusion.KSC` and `fusion.JKSC`: minus the class residuals; of two classes minus and plus half of the decision."""
     if estimator.solver != "komp":
         raise ValueError(
             f"sparse coding with solver={estimator.solver!r} has no graph of fixed size; use solver='komp'"
@@ -51,7 +52,8 @@ def sparse_coding(g: Graph, estimator: Any, x: str) -> str:
         part, seen = _class_residual(g, group, rows, codes, estimator._atom_class, n_classes, shares)
         residual = g.op("Add", residual, part) if residual else part
         found = g.op("Or", found, seen) if found else seen
-    return _class_scores(g, residual, found)
+    scores = _class_scores(g, residual, found)
+    return between_two(g, scores) if n_classes == 2 else scores
 
 
 def pursue(

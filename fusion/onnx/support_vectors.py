@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fusion.onnx.builder import Graph, integers
 from fusion.onnx.distances import squared_distances
+from fusion.onnx.ends import halves
 
 VOTE_SHARE = 3.0  # scikit-learn keeps a class's summed margins below one third of a vote
 
@@ -29,7 +30,7 @@ def support_vectors(g: Graph, estimator: Any, x: str) -> str:
         kernel = g.times(x, vectors.T)
     if len(estimator.classes_) == 2:
         decision = g.op("Add", g.times(kernel, estimator.dual_coef_.T), estimator.intercept_)
-        return g.op("Concat", g.op("Mul", decision, -0.5), g.op("Mul", decision, 0.5), axis=1)
+        return halves(g, decision)
     margins = _margins(g, estimator, kernel)
     n_classes = len(estimator.classes_)
     won, lost = _sides(n_classes)

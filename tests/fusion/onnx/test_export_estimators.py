@@ -18,6 +18,7 @@ from sklearn.svm import SVC
 import fusion.onnx.kernels
 from fusion import JKSC, KSC, WeightedKNN
 from fusion.features import ModalityPCA
+from fusion.neural import LateFusionNet
 from fusion.onnx import EXPORTERS, add_estimator, class_path
 from fusion.onnx.builder import STANDARD_DOMAINS, Graph
 from fusion.onnx.ends import float_input, score_output
@@ -137,8 +138,19 @@ def test_queries_that_are_training_samples(estimator):
     np.testing.assert_array_equal(made(X).argmax(axis=1), estimator.predict(X))
 
 
-@pytest.mark.parametrize("estimator", [KSC(n_nonzero_coefs=4), SVC(), WeightedKNN(3)])
+@pytest.mark.parametrize(
+    "estimator",
+    [
+        KSC(n_nonzero_coefs=4),
+        KSC("linear", n_nonzero_coefs=2, normalize_kernel=False),
+        JKSC(GROUPS, n_nonzero_coefs=4),
+        SVC(),
+        WeightedKNN(3),
+        LateFusionNet(GROUPS, epochs=2, validation_folds=0),
+    ],
+)
 def test_two_classes(estimator):
+    """A decision of two classes is one number: the graph writes minus and plus half of it."""
     X, y = samples(40, 6, classes=2)
     made = export(estimator.fit(X, y))
     queries, _ = samples(50, 7, classes=2)
@@ -146,7 +158,7 @@ def test_two_classes(estimator):
     np.testing.assert_array_equal(found.argmax(axis=1), estimator.predict(queries))
     if hasattr(estimator, "decision_function"):
         apart = estimator.decision_function(queries)
-        np.testing.assert_allclose(found[:, 1] - found[:, 0], apart, rtol=1e-4, atol=1e-5)
+        np.testing.assert_allclose(found, np.stack([-apart, apart], 1) / 2, rtol=1e-5, atol=1e-6)
 
 
 def test_classes_that_training_did_not_hold_score_finitely_below_all_others():
