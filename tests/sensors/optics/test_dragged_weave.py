@@ -1,5 +1,6 @@
 """The dragged weave: nothing without a shift, and the cloth elsewhere with one."""
 
+import cv2
 import numpy as np
 import pytest
 
@@ -33,6 +34,21 @@ def test_a_shift_by_parts_of_a_pixel_is_close_to_the_cloth_drawn_there():
     inside = np.s_[8:-8, 8:-8]
     error = np.sqrt(((moved - there)[inside] ** 2).mean())
     assert error < 0.15 * np.sqrt(((here - there)[inside] ** 2).mean())
+
+
+def test_a_cloth_that_stretches_is_close_to_one_whose_points_moved_one_by_one():
+    x, y = np.meshgrid(AXIS, AXIS)
+    shape = np.exp(-(x**2 + y**2) / (2 * 0.012**2)).astype(np.float32)
+    shift = (0.3e-3, -0.2e-3)
+    canvas = Canvas(colour=(1.0, 1.0, 1.0))
+    fine = canvas.weave(AXIS, AXIS, np.random.default_rng(3), 4)
+    column, row = np.meshgrid(np.arange(1024.0), np.arange(1024.0))
+    moved = cv2.resize(shape, (1024, 1024)) * 4 / (AXIS[1] - AXIS[0])
+    places = [(at - moved * by).astype(np.float32) for at, by in zip((column, row), shift, strict=True)]
+    there = cv2.remap(fine, *places, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+    here, there = (field.reshape(256, 4, 256, 4).mean(axis=(1, 3)) for field in (fine, there))
+    error = here * weave().ratio(shape, shift) - there
+    assert np.sqrt((error**2).mean()) < 0.1 * np.sqrt(((here - there) ** 2).mean())
 
 
 def test_without_a_shift_the_frame_is_the_frame_of_a_press():
