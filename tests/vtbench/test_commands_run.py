@@ -2,11 +2,15 @@
 
 import json
 
+import numpy as np
 import pytest
 import yaml
 
+from leaderboard.record import read_predictions, read_records, record_key, write_record
+from leaderboard.submission import Submission
 from tests.vtbench.data import fakes
-from vtbench.data import write_dataset
+from vtbench.data import Dataset, write_dataset
+from vtbench.run.scoring import score, true_labels
 
 CELLS = ("total", "done", "kept", "skipped", "failed", "timeout")
 
@@ -76,6 +80,38 @@ def test_the_tables_of_a_run_are_printed(vtbench, suite, tmp_path):
     assert f"{out}: 2 of 2 cells run" in printed
     assert f"vtbench board {out} -o" in printed
     assert "2 cells scored again" in vtbench("score", out).out
+
+
+def hand_in(out, data, name, right):
+    """Beside a run the record of a model that names the objects of the first `right` groups, and no others."""
+    (like,) = [record for record in read_records(out) if record.identity.method == "knn"]
+    arrays, table = read_predictions(out, like.key), Dataset.open(data).columns(["id", "label"])
+    truth = true_labels(arrays, table["id"].to_numpy().astype(str), table["label"].to_numpy())
+    known = np.isin(arrays["group"], np.unique(arrays["group"])[:right])
+    arrays["label"] = np.where(known, truth, truth + 1).astype(np.int32)
+    who = like.identity.model_copy(update={"method": f"{name}@00000000"})
+    given = {"identity": who, "key": record_key(who), "metrics": score(arrays, truth)}
+    given["submission"] = Submission(id=name, title=name, status="verified")
+    write_record(out, like.model_copy(update=given), arrays)
+
+
+def test_the_tables_of_a_run_say_what_its_page_says(vtbench, suite, tmp_path):
+    """Ranks come from the same pairs of samples, and models that were handed in compete."""
+    out = tmp_path / "run"
+    vtbench("run", suite(), "-o", out, "--json")
+    for name, right in (("some", 12), ("more", 20)):
+        hand_in(out, tmp_path / "set", name, right)
+    printed = [vtbench(*words).out for words in (("run", suite(), "-o", out), ("score", out))]
+    assert vtbench("board", out, "-o", tmp_path / "board").code == 0
+    page = (tmp_path / "board" / "board.md").read_text(encoding="utf-8").replace("\\", "").splitlines()
+    rows = {line.split(" | ")[1].split()[0]: line.split(" | ")[2:-1] for line in page if line.startswith("| force |")}
+    assert rows["more"][1] == "1 (a)"  # from the intervals alone: 1–2
+    for text in printed:
+        lines = {
+            words[0]: " ".join(words) for line in text.splitlines() if (words := line.replace("force", "").split())
+        }
+        for name, cells in rows.items():
+            assert " ".join(cells).replace("(", "").replace(")", "") in lines[name].replace("(", "").replace(")", "")
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from argparse import Namespace, _SubParsersAction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -87,9 +88,18 @@ def score(args: Namespace) -> int:
 
 
 def _tables(summary: RunSummary) -> str:
-    from leaderboard import board_tables, format_console
+    """The tables of the page that `vtbench board` draws of this folder: all its records, paired in the same way."""
+    from leaderboard import board_tables, format_console, scan_records
+    from vtbench.run.tallies import run_tallies
 
-    return format_console(board_tables(summary.records)) if summary.records else ""
+    if not summary.records:
+        return ""
+    records, problems = scan_records(summary.path)
+    tallies, unpaired = run_tallies(summary.path, records)
+    problems += unpaired
+    for problem in problems:
+        print(f"vtbench: warning: {problem}", file=sys.stderr)
+    return format_console(board_tables(records, problems, tallies))
 
 
 def _code(summary: RunSummary) -> int:
