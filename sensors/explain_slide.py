@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from sensors.explain import Effect, Explanation, Grid, Readings, Run, Switch, measure_switches, rms
 from sensors.explain_press import FLAGS, creep_switch, spread
 from sensors.fvsight import fvsight_unit
-from sensors.slide.membrane import in_plane_skin
-from sensors.slide.scene import SlipScene
-from sensors.slide.simulate import place_body, simulate_slide
-from sensors.slide.track import traction_modes
+from sensors.slide.scene import UNSHEARED, SlipScene
+from sensors.slide.simulate import dragged_skin, place_body, simulate_slide
 
 SLIDE_FLAGS = FLAGS | {
     "crowns": "thread crowns exchange load as the object rides over them",
@@ -41,15 +40,18 @@ def explain_slide(
     why = "force control is not still"
     switches.append(Switch(Effect("ripple and noise of the load", bool(ripple or noise), why), _run(motion, seed)))
     switches.append(Switch(_weave(scene, indices, seed)))
+    switches.append(_partial_slip(scene, indices, seed))
     cpu_ms, effects = measure_switches(_run(scene, seed), switches, indices, advance)
+    if switches[-1].run is not None:
+        effects[-1] = replace(effects[-1], frame_levels=switches[-1].effect.frame_levels)
     sensor = scene.effective_sensor()
-    grids = (Grid("skin", sensor.grid, True, None, {}, None),)
+    grids = (Grid("skin" if sensor.support == "hollow" else "layer", sensor.grid, True, None, {}, None),)
     return Explanation(scene.id, len(indices), cpu_ms, tuple(effects), grids=grids)
 
 
 def n_slide_effects() -> int:
     """How many effects `explain_slide` switches or weighs."""
-    return len(SLIDE_FLAGS) + 3
+    return len(SLIDE_FLAGS) + 4
 
 
 def _switched(scene: SlipScene, name: str, on: bool) -> SlipScene:
@@ -63,6 +65,32 @@ def _run(scene: SlipScene, seed: int) -> Run:
     return run
 
 
+def _partial_slip(scene: SlipScene, indices: Sequence[int], seed: int) -> Switch:
+    """Cell by cell or as one patch: when the contact lets go, and the frame that differs most."""
+    name, on = "partial slip", scene.effects.partial_slip
+    if scene.sensor.support == "hollow":
+        return Switch(Effect(name, False, "a hollow skin moves as one patch; solved for a film on a plate alone"))
+    if others := [kind for kind in scene.protocol.kinds if kind in UNSHEARED]:
+        return Switch(Effect(name, False, f"not worked out for {', '.join(others)}"))
+    still = _switched(scene, "camera_noise", False)
+    frames, later = [], []
+    for index in indices:
+        cells, patch = (
+            simulate_slide(_switched(still, "partial_slip", each), index, seed, frames=True) for each in (True, False)
+        )
+        if cells.frames is None or patch.frames is None:
+            continue
+        pairs = zip(cells.frames, patch.frames, strict=True)
+        frames.append(max(rms(one.astype(np.float64) - other) for one, other in pairs))
+        if cells.onset_sample is not None and patch.onset_sample is not None:
+            later.append((cells.onset_sample - patch.onset_sample) / cells.rate_hz * 1e3)
+    why = "the film shears and slips cell by cell, from the rim inwards"
+    if later:
+        why += f"; gross slip comes {np.mean(later):+.0f} ms from where one patch has it"
+    effect = Effect(name, on, why, frame_levels=float(np.mean(frames)))
+    return Switch(effect, _run(_switched(scene, name.replace(" ", "_"), not on), seed))
+
+
 def _weave(scene: SlipScene, indices: Sequence[int], seed: int) -> Effect:
     """The frame at the largest drag of the skin with its threads left where they lay."""
     errors, moves = [], []
@@ -74,7 +102,7 @@ def _weave(scene: SlipScene, indices: Sequence[int], seed: int) -> Effect:
         unit = fvsight_unit(scene.effective_sensor(), plan.unit)
         placed = place_body(scene, plan, unit, np.random.default_rng([seed, index]).spawn(5)[0])
         start = placed.solve(0.0, plan.load_n)
-        skin = in_plane_skin(unit.grid, unit.skin.film, scene.friction.areal_mass_kg_m2, traction_modes(unit, start))
+        skin, _ = dragged_skin(scene, unit, start)
         camera = unit.camera
         drawn = camera.shift_shape(skin.modes * skin.stiffness)
         clean = camera.clean(unit.observe(start).surface_modes)

@@ -145,10 +145,22 @@ def _convolve(traction: Floats, symbols: NDArray[np.inexact], size: tuple[int, i
 
 
 class LayerTangential(SpectralTangential):
-    """A bonded layer on `grid` under shear; the partner of `LayerCompliance`."""
+    """A bonded layer on `grid` under shear; the partner of `LayerCompliance`.
 
-    def __init__(self, grid: Grid, material: LayerMaterial, dtype: type[np.floating] = np.float64) -> None:
+    `cover_m_per_pa` is how far a cover on the layer, a cloth say, gives under each shear traction: local, in series.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        material: LayerMaterial,
+        dtype: type[np.floating] = np.float64,
+        cover_m_per_pa: float = 0.0,
+    ) -> None:
+        if not (np.isfinite(cover_m_per_pa) and cover_m_per_pa >= 0):
+            raise ValueError(f"cover_m_per_pa must be finite and >= 0, got {cover_m_per_pa}")
         self.material = material
+        self.cover_m_per_pa = cover_m_per_pa
         k = padded_wave_numbers(grid)
         along, across = in_plane_symbols(material, k)
         size = 2 * grid.n
@@ -159,11 +171,16 @@ class LayerTangential(SpectralTangential):
         mixed = (along - across) * cosine * sine
         # the sign of the highest wave number is not defined
         mixed[grid.n] = mixed[:, grid.n] = 0
-        symbols = np.stack([across + (along - across) * cosine**2, mixed, across + (along - across) * sine**2])
+        local = across + cover_m_per_pa
+        symbols = np.stack([local + (along - across) * cosine**2, mixed, local + (along - across) * sine**2])
         super().__init__(grid, symbols, dtype)
         coupling = -1j * coupling_symbol(material, k) * np.stack([cosine, sine])
         coupling[:, grid.n] = coupling[:, :, grid.n] = 0
         self._coupling = coupling.astype(np.result_type(self.dtype, np.complex64))
+
+    def face(self, traction: Floats) -> Floats:
+        """In-plane displacement (x, y) of the layer's own face, below its cover (m), (2, n, n)."""
+        return self.displacement(traction) - self.dtype.type(self.cover_m_per_pa) * np.asarray(traction, self.dtype)
 
     def under_pressure(self, pressure: Floats) -> Floats:
         """In-plane motion (x, y) of the surface (m) under a frictionless `pressure` (n, n) in Pa, (2, n, n)."""

@@ -13,6 +13,9 @@ at 5 N; the default skin has 10 to 20, so it slides steadily but for what the cr
 while it is loaded past the breaking distance of a Coulomb element of the same stiffness and really slides.
 Partial slip is 5 % of the load slipping, gross slip 90 %; the onset of a trial is its first sample of gross slip.
 
+A film on a plate (`sensor.support: plate`) is dragged through its own shear instead: as one patch in the same way, or
+with `effects.partial_slip` cell by cell (see `partial_slip`). Its base, and the taxels on it, stay where they are.
+
 What the taxels get. They feel normal force only, so slip reaches them by three ways: (a) the pressure pattern moves
 over them, by the object's travel less the skin's; (b) thread crowns exchange load as the object rides over the weave, a
 function of the distance slid, which keeps the sum of the load; (c) shear through the thickness of the film tips load

@@ -29,7 +29,7 @@ class Drag:
     """History (t, ...) of the integrated samples.
 
     skin_shift (t, 2; m), load and shear of each cell (t, n) and (t, n, 2; N), slip (t,; m, mean over the load),
-    slip_share (t,; of the load).
+    slip_share (t,; of the load), stick_ratio (t,; of the area in contact).
     """
 
     skin_shift: Array
@@ -37,11 +37,14 @@ class Drag:
     shear: Array
     slip: Array
     slip_share: Array
+    stick_ratio: Array
 
 
-def weave_stiffness(friction: Friction, film: LayerMaterial) -> float:
-    """Shear stiffness (Pa/m) of a cell: crowns of the weave and the film's shear in series."""
+def weave_stiffness(friction: Friction, film: LayerMaterial | None) -> float:
+    """Shear stiffness (Pa/m) of a cell: crowns of the weave and the film's shear in series; None: the crowns alone."""
     weave = friction.weave_mpa_per_mm * 1e9
+    if film is None:
+        return weave
     shear_modulus = film.youngs_modulus_pa / (2 * (1 + film.poisson_ratio))
     return 1 / (1 / weave + film.thickness_m / shear_modulus)
 
@@ -56,7 +59,7 @@ def drag(
     state = PatchState.at_rest(elements)
     watch = _SlipWatch(friction, elements)
     shift, shear, carried = np.zeros((samples, 2)), np.zeros((samples, elements, 2)), np.empty((samples, elements))
-    slip, slip_share = np.zeros(samples), np.zeros(samples)
+    slip, slip_share, stick_ratio = np.zeros(samples), np.zeros(samples), np.ones(samples)
     drive = _drive(path, cells, float(travel[0]), float(rate[0]))
     for i in range(samples):
         carried[i] = load[i] if crowns is None else crowns.exchange(load[i], state.slip)
@@ -67,10 +70,13 @@ def drag(
         drive = next_drive
         share = carried[i] / max(float(carried[i].sum()), 1e-12)
         speed = _length(state.slip - before.slip) / dt
-        slip_share[i] = share @ watch.see(i, speed, patch.utilisation(state, drive, carried[i]))
+        loose = watch.see(i, speed, patch.utilisation(state, drive, carried[i]))
+        slip_share[i] = share @ loose
+        touched = cells.area * (carried[i] > 0)
+        stick_ratio[i] = 1 - touched @ loose / max(float(touched.sum()), 1e-12)
         slip[i] = share @ _length(state.slip)
         shift[i], shear[i] = state.displacement, state.force
-    return Drag(shift, carried, shear, slip, slip_share)
+    return Drag(shift, carried, shear, slip, slip_share, stick_ratio)
 
 
 def slip_states(friction: Friction, slip_share: Array) -> NDArray[np.uint8]:
@@ -91,8 +97,12 @@ def presliding_distance(patch: SkinPatch, load: Array, share: float) -> float:
     return breaking + float((limit * strained).sum()) / patch.stiffness
 
 
-def skin_patch(friction: Friction, film: LayerMaterial, skin: InPlaneSkin, cells: Cells, grip: float) -> SkinPatch:
+def skin_patch(
+    friction: Friction, film: LayerMaterial | None, skin: InPlaneSkin, cells: Cells, grip: float
+) -> SkinPatch:
     """The patch of skin under a contact's cells; `grip` scales both coefficients of friction.
+
+    `film` is None where `skin` holds the film's shear already.
 
     The dampers of weave and skin are the same share of critical damping.
     """

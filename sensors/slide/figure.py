@@ -26,7 +26,8 @@ def draw_slide(recording: SlideRecording, path: str | Path) -> Path:
     """Draw a trial into an image file; returns its path.
 
     Traces of loaded taxels have the colours of the key, the array as the camera sees it. With the truth
-    `slip_distance` a second panel shows it, with frames a strip stands on top: the first, then what changed since.
+    `slip_distance` a second panel shows it, `stick_ratio` beside it; with frames a strip stands on top: the first, then
+    what changed since.
     """
     rows = [("frames", 1.45)] if recording.frames is not None else []
     rows.append(("force", 3.6))
@@ -130,6 +131,12 @@ def _draw_slip(axes: Any, recording: SlideRecording) -> None:
     axes.plot(recording.force_time_s, 1e3 * recording.truth["slip_distance"], color="0.2", linewidth=1.2)
     axes.set_ylabel("slid (mm)")
     axes.set_ylim(0, max(1.08e3 * float(recording.truth["slip_distance"].max()), _LEAST_SLIP_MM))
+    if "stick_ratio" in recording.truth:
+        share = axes.twinx()
+        share.plot(recording.force_time_s, recording.truth["stick_ratio"], color=_COLOURS[0], linewidth=1.2)
+        share.set_ylim(-0.04, 1.08)
+        share.set_ylabel("area that sticks", color=_COLOURS[0])
+        share.spines["top"].set_visible(False)
 
 
 def _draw_frames(axes: Any, recording: SlideRecording) -> None:

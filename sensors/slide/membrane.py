@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 
 from sensors.contact.grid import Grid
 from sensors.contact.layer import LayerMaterial
+from sensors.contact.skin import sine_basis
+from sensors.contact.solver import ContactSolution
+from sensors.contact.tangential import LayerTangential
 
 
 @dataclass(frozen=True)
@@ -26,6 +29,30 @@ class InPlaneSkin:
     stiffness: float
     mass_kg: float
     modes: NDArray[np.floating]
+
+
+def in_plane_pad(film: LayerMaterial, areal_mass_kg_m2: float, contact: ContactSolution) -> InPlaneSkin:
+    """A film bonded to a plate under a traction that is shared out like the pressure of `contact`, as one patch.
+
+    Its displacement is the mean of those along and across the traction; sheared through its thickness, a third of its
+    mass moves along.
+    """
+    grid = contact.grid
+    traction = np.asarray(contact.pressure, np.float64) / contact.force_n
+    layer, none = LayerTangential(grid, film), np.zeros_like(traction)
+    displacement = (
+        layer.displacement(np.stack([traction, none]))[0] + layer.displacement(np.stack([none, traction]))[1]
+    ) / 2
+    compliance = float((traction * displacement).sum()) * grid.cell_area_m2
+    moving = areal_mass_kg_m2 / 3 * float((displacement**2).sum()) * grid.cell_area_m2
+    return InPlaneSkin(1 / compliance, moving / compliance**2, field_modes(displacement))
+
+
+def field_modes(field: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Sine modes (n, n) of values (n, n) at the cells of a grid."""
+    n = len(field)
+    basis = sine_basis((np.arange(n) + 0.5) / n, n)
+    return np.asarray(basis.T @ field @ basis)
 
 
 def in_plane_modulus(film: LayerMaterial) -> float:

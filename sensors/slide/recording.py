@@ -23,7 +23,8 @@ class SlideRecording:
     frames         (f, h, w, 3) uint8 RGB or None, taken at `frame_time_s` (f,) on the clock of the force
     labels         id, object, kind, trial, unit, session, speed_mm_s, rotation_deg_s, load_n, direction_deg, seed
     truth          optional per sample: taxel_load (t, 16; N), shear_force (t, 2; N), slip_distance (t,; m),
-                   slip_share (t,; of the load), skin_shift (t, 2; m), pose (t, 3; m, m, rad)
+                   slip_share (t,; of the load), stick_ratio (t,; of the area in contact), skin_shift (t, 2; m),
+                   pose (t, 3; m, m, rad)
     """
 
     force_series: NDArray[np.float32]

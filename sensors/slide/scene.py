@@ -16,6 +16,9 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 SLIPPING: tuple[Kind, ...] = ("slide", "rotation")
 """Kinds of trial that are meant to end in gross slip; every other kind is a negative."""
 
+UNSHEARED: tuple[Kind, ...] = ("rotation", "arm_vibration")
+"""Kinds of trial that partial slip is not worked out for."""
+
 
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -156,6 +159,9 @@ class SlideEffects(Effects):
     crowns: bool = Field(True, description="thread crowns exchange load as the object rides over them")
     shear_moment: bool = Field(True, description="shear on the film's face loads the taxels ahead of it")
     late_film: bool = True
+    partial_slip: bool = Field(
+        False, description="a film on a plate shears and slips cell by cell; off: as one patch that friction drags"
+    )
 
 
 class SlipScene(_Part):
@@ -182,11 +188,18 @@ class SlipScene(_Part):
         return self
 
     @model_validator(mode="after")
-    def _skin_is_free(self) -> SlipScene:
-        if self.sensor.support != "hollow":
+    def _partial_slip_is_known(self) -> SlipScene:
+        if not self.effects.partial_slip:
+            return self
+        if self.sensor.support != "plate":
             raise ValueError(
-                f"a slip scene needs sensor.support = 'hollow', a skin that friction can drag along, got "
-                f"{self.sensor.support!r}"
+                "effects.partial_slip shears a film that is bonded to a plate, got sensor.support = "
+                f"{self.sensor.support!r}: set 'plate' or leave the effect off"
+            )
+        if others := [kind for kind in self.protocol.kinds if kind in UNSHEARED]:
+            raise ValueError(
+                f"effects.partial_slip moves the object along a line and slowly, got kinds {others}: "
+                "leave them out or the effect off"
             )
         return self
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from sensors.fvsight import FORCE_RATE_HZ, FVSightUnit, Session
-from sensors.slide.membrane import InPlaneSkin
+from sensors.slide.membrane import InPlaneSkin, field_modes
+from sensors.slide.partial_slip import Sheared
 from sensors.slide.scene import Film
 from sensors.slide.script import Script
 from sensors.slide.track import Track
@@ -42,23 +45,37 @@ def read_taxels(
     return unit.read(np.concatenate((before, load)), session, rng)[_PREAMBLE:]
 
 
+Weave = Callable[[int], NDArray[np.floating] | None]
+"""What the drag at a sample does to the brightness of each pixel; None where nothing has moved."""
+
+
+def patch_weave(unit: FVSightUnit, skin: InPlaneSkin, shift: Array) -> Weave:
+    """The weave where a patch is dragged along by `shift` (t, 2; m)."""
+    drawn = unit.camera.shift_shape(skin.modes * skin.stiffness)
+    return lambda sample: unit.camera.dragged_weave(drawn, (float(shift[sample, 0]), float(shift[sample, 1])))
+
+
+def sheared_weave(unit: FVSightUnit, sheared: Sheared, at: NDArray[np.intp]) -> Weave:
+    """The weave where each point goes its own way; `at` (t,) are the samples in the sheared motion."""
+
+    def weave(sample: int) -> NDArray[np.floating] | None:
+        across, down = (unit.camera.shift_shape(field_modes(one)) for one in sheared.face_at(int(at[sample])))
+        parts = [unit.camera.dragged_weave(across, (1.0, 0.0)), unit.camera.dragged_weave(down, (0.0, 1.0))]
+        first, second = parts
+        return first if second is None or first is None else first * second
+
+    return weave
+
+
 def take_frames(
-    unit: FVSightUnit,
-    session: Session,
-    track: Track,
-    skin: InPlaneSkin,
-    script: Script,
-    shift: Array,
-    rng: np.random.Generator,
+    unit: FVSightUnit, session: Session, track: Track, script: Script, weave: Weave, rng: np.random.Generator
 ) -> tuple[Array, NDArray[np.uint8]]:
-    """Times (f,; s) and frames (f, h, w, 3): the deflected skin, its weave dragged along by `shift` (t, 2; m)."""
+    """Times (f,; s) and frames (f, h, w, 3): the deflected surface with its `weave` dragged along."""
     last_s = (len(script.load) - 1) / FORCE_RATE_HZ
     times = np.arange(int(np.floor(last_s * FRAME_RATE_HZ + 1e-9)) + 1) / FRAME_RATE_HZ
-    drawn = unit.camera.shift_shape(skin.modes * skin.stiffness)
     pictures = []
     for time in times:
         sample = round(time * FORCE_RATE_HZ)
         modes = track.modes(float(script.travel[sample]), float(script.load[sample]))
-        weave = unit.camera.dragged_weave(drawn, (float(shift[sample, 0]), float(shift[sample, 1])))
-        pictures.append(unit.frame(modes, session, rng, weave))
+        pictures.append(unit.frame(modes, session, rng, weave(sample)))
     return times, np.stack(pictures)

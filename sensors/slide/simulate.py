@@ -8,23 +8,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sensors.contact.layer import LayerMaterial
+from sensors.contact.solver import ContactSolution
 from sensors.fvsight import FORCE_RATE_HZ, FVSightUnit, fvsight_unit
 from sensors.optics.canvas import Canvas
 from sensors.slide.crowns import Crowns
 from sensors.slide.drag import Drag, drag, presliding_distance, skin_patch, slip_states
 from sensors.slide.footprint import Footprint
-from sensors.slide.membrane import in_plane_skin
+from sensors.slide.membrane import InPlaneSkin, in_plane_pad, in_plane_skin
+from sensors.slide.partial_slip import shear_film
 from sensors.slide.path import Path
 from sensors.slide.recording import GROSS, STICK, SlideRecording
 from sensors.slide.scene import SlidePlan, SlipScene
 from sensors.slide.script import Script, write_script
-from sensors.slide.sensing import read_taxels, take_frames
+from sensors.slide.sensing import patch_weave, read_taxels, sheared_weave, take_frames
 from sensors.slide.shapes import body
 from sensors.slide.track import CELL_M, Placed, Track, lay_track, traction_modes
 
 Array = NDArray[np.float64]
 
-SLIDE_TRUTH = ("taxel_load", "shear_force", "slip_distance", "slip_share", "skin_shift", "pose")
+SLIDE_TRUTH = ("taxel_load", "shear_force", "slip_distance", "slip_share", "stick_ratio", "skin_shift", "pose")
 _RING_DOWN_S = 0.15
 """After the last motion the skin swings for tens of milliseconds; from then on it rests."""
 
@@ -50,9 +53,9 @@ def simulate_slide(
     grip = float(1 + scene.friction.spread * grip_spread)
 
     start = placed.solve(0.0, load_n)
-    skin = in_plane_skin(unit.grid, unit.skin.film, scene.friction.areal_mass_kg_m2, traction_modes(unit, start))
+    skin, film_beside = dragged_skin(scene, unit, start)
     still = lay_track(placed, np.zeros(1), np.full(1, load_n), start)
-    at_rest = skin_patch(scene.friction, unit.skin.film, skin, still.cells, grip)
+    at_rest = skin_patch(scene.friction, film_beside, skin, still.cells, grip)
     presliding = presliding_distance(at_rest, still.cell_share[0] * load_n, scene.friction.gross_share)
     script = write_script(scene, plan, load_n, presliding, script_rng)
     track = lay_track(placed, script.travel, script.load, start, frames)
@@ -61,25 +64,30 @@ def simulate_slide(
     travel, load = script.travel[first:last], script.load[first:last]
     crowns = Crowns.draw(track.cells.area, placed.body.crown_contrast, Canvas().thread_pitch_m, surface_rng)
     smooth = track.cell_load(travel, load)
-    patch = skin_patch(scene.friction, unit.skin.film, skin, track.cells, grip)
-    history = drag(
-        patch, scene.friction, track.cells, placed.path, travel, smooth, crowns if scene.effects.crowns else None
-    )
+    riding = crowns if scene.effects.crowns else None
+    sheared = None
+    if scene.effects.partial_slip:
+        sheared = shear_film(placed, scene.friction, track.cells, travel, load, smooth, grip, presliding)
+        history = sheared.drag(smooth, riding)
+    else:
+        patch = skin_patch(scene.friction, film_beside, skin, track.cells, grip)
+        history = drag(patch, scene.friction, track.cells, placed.path, travel, smooth, riding)
 
     # samples before and after the window repeat its ends
     at = np.clip(np.arange(len(script.load)) - first, 0, last - first - 1)
     shift = history.skin_shift[at]
     change = _contact_change(scene, unit, placed.path, track, history, smooth, travel)
     relative_load = script.load / np.maximum(load[at], 1e-9)
-    taxels = track.taxel_load(_travel_over_skin(placed.path, script, shift), script.load) + (
-        change[at] * relative_load[:, None]
-    )
+    # the base of a film on a plate stays where it is
+    over = script.travel if film_beside is None else _travel_over_skin(placed.path, script, shift)
+    taxels = track.taxel_load(over, script.load) + (change[at] * relative_load[:, None])
     state = slip_states(scene.friction, history.slip_share)[at]
     state[: first + 1] = state[last:] = STICK
     onset = np.flatnonzero(state == GROSS)
-    times, pictures = (
-        take_frames(unit, session, track, skin, script, shift, camera_rng) if frames else (np.empty(0), None)
-    )
+    times, pictures = np.empty(0), None
+    if frames:
+        weave = patch_weave(unit, skin, shift) if sheared is None else sheared_weave(unit, sheared, at)
+        times, pictures = take_frames(unit, session, track, script, weave, camera_rng)
     film = scene.film if scene.effects.late_film else None
     return SlideRecording(
         force_series=read_taxels(unit, session, film, taxels, script.gain, force_rng),
@@ -91,6 +99,16 @@ def simulate_slide(
         frame_time_s=times,
         truth=_truth(truth, taxels, history, at, placed.path, script),
     )
+
+
+def dragged_skin(
+    scene: SlipScene, unit: FVSightUnit, contact: ContactSolution
+) -> tuple[InPlaneSkin, LayerMaterial | None]:
+    """What friction drags as one patch, and the film that shears beside it: on a plate the film is the patch (None)."""
+    film, mass = unit.skin.film, scene.friction.areal_mass_kg_m2
+    if scene.sensor.support == "plate":
+        return in_plane_pad(film, mass, contact), None
+    return in_plane_skin(unit.grid, film, mass, traction_modes(unit, contact)), film
 
 
 def place_body(scene: SlipScene, plan: SlidePlan, unit: FVSightUnit, rng: np.random.Generator) -> Placed:
@@ -145,7 +163,12 @@ def _truth(
             return taxels.astype(np.float32)
         if name == "shear_force":
             return history.shear.sum(axis=1)[at].astype(np.float32)
-        values = {"slip_distance": history.slip, "slip_share": history.slip_share, "skin_shift": history.skin_shift}
+        values = {
+            "slip_distance": history.slip,
+            "slip_share": history.slip_share,
+            "stick_ratio": history.stick_ratio,
+            "skin_shift": history.skin_shift,
+        }
         return values[name][at].astype(np.float32)
 
     return {name: field(name) for name in names}

@@ -128,7 +128,7 @@ def lay_track(placed: Placed, travel: Array, load: Array, start: ContactSolution
 
 
 def traction_modes(unit: FVSightUnit, contact: ContactSolution) -> NDArray[np.floating]:
-    """Sine modes of a traction that is shared out like the pressure and adds up to one newton."""
+    """Sine modes of a traction on a hollow skin that is shared out like the pressure and adds up to one newton."""
     compliance = unit.compliance
     assert isinstance(compliance, SkinCompliance)
     return compliance.modes(contact.pressure) / contact.force_n

@@ -152,3 +152,13 @@ def test_shear_does_the_work_on_a_press_that_the_press_does_on_shear():
     work = (traction * pad.under_pressure(pressure)).sum()
     assert work == pytest.approx((pressure * pad.sinking(traction)).sum(), rel=1e-9)
     assert abs(work) > 0
+
+
+def test_a_cover_gives_locally_and_in_series_and_the_face_below_it_does_not():
+    grid, material = Grid(24, 12e-3), LayerMaterial(2e-3, 1e5, 0.45)
+    bare, covered = LayerTangential(grid, material), LayerTangential(grid, material, cover_m_per_pa=3e-9)
+    traction = np.random.default_rng(0).standard_normal((2, 24, 24)) * 1e3
+    assert covered.displacement(traction) - bare.displacement(traction) == pytest.approx(3e-9 * traction, abs=1e-15)
+    assert covered.face(traction) == pytest.approx(bare.displacement(traction), abs=1e-15)
+    with pytest.raises(ValueError, match="cover_m_per_pa"):
+        LayerTangential(grid, material, cover_m_per_pa=-1.0)

@@ -55,6 +55,13 @@ def test_the_scene_without_variation_is_valid():
     assert not committed("no-variation").effects.crowns
 
 
+def test_the_pad_on_a_plate_slips_cell_by_cell():
+    scene = committed("gel-pad")
+    assert scene.sensor.support == "plate"
+    assert scene.effects.partial_slip
+    assert not committed("paper").effects.partial_slip
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -67,7 +74,11 @@ def test_the_scene_without_variation_is_valid():
         ({"friction": {"partial_share": 0.95}}, "below gross_share"),
         ({"motion": {"rest_jitter_s": 0.9}}, "does not fit"),
         ({"disturbances": {"tap_s": [0.1, 0.05]}}, "tap_s"),
-        ({"sensor": {"support": "plate"}}, "hollow"),
+        ({"effects": {"partial_slip": True}}, "bonded to a plate"),
+        (
+            {"effects": {"partial_slip": True}, "sensor": {"support": "plate"}, "protocol": {"kinds": ["rotation"]}},
+            "rotation",
+        ),
         ({"colour": "red"}, "colour"),
     ],
 )
