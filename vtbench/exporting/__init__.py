@@ -6,12 +6,25 @@ from importlib import import_module
 from typing import Any
 
 _HOME = {
+    "DetectorOrder": "vtbench.exporting.detectors",
     "Order": "vtbench.exporting.fit",
     "Samples": "vtbench.exporting.fit",
+    "Trials": "vtbench.exporting.detectors",
     "export": "vtbench.exporting.write",
+    "export_detector": "vtbench.exporting.detectors",
     "open_samples": "vtbench.exporting.fit",
+    "open_trials": "vtbench.exporting.detectors",
 }
-__all__ = ["Order", "Samples", "export", "open_samples"]
+__all__ = [
+    "DetectorOrder",
+    "Order",
+    "Samples",
+    "Trials",
+    "export",
+    "export_detector",
+    "open_samples",
+    "open_trials",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -88,7 +88,7 @@ def open_samples(task_id: str, path: Path | None, backbone: str, cache: FeatureC
 
     task = TASKS.get(task_id)
     if task.reads == "slides":
-        raise ValueError(f"{task.id} is a task of slip, whose detectors slip.export_onnx() exports; see `slip.onnx`")
+        raise ValueError(f"{task.id} is a task of slip: its trials are opened by open_trials()")
     if backbone not in backbone_names():
         raise unknown("backbone", backbone, backbone_names(), "vtbench list backbones")
     if task.reads_dataset:
