@@ -1,5 +1,6 @@
 """Objects on cell-centred grids: the cached fine heightfield, and an object placed under a sensor."""
 
+import math
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -22,6 +23,15 @@ class _Patch(NamedTuple):
     heights: Raster
     row: int
     column: int
+
+
+class _Pose(NamedTuple):
+    """Where the object's origin lies and how far it is turned, from x towards y."""
+
+    x_m: float
+    y_m: float
+    cosine: float
+    sine: float
 
 
 def heightfield(name: str, n: int = RASTER_N, size_m: float = RASTER_SIZE_M) -> Raster:
@@ -49,39 +59,53 @@ def place(name: str, grid_n: int, size_m: float, x_m: float, y_m: float, angle_r
     if not np.isfinite([x_m, y_m, angle_rad]).all():
         raise ValueError(f"place {name!r}: x, y and angle must be finite, got {x_m}, {y_m}, {angle_rad}")
     patch = _patch(name, RASTER_N, RASTER_SIZE_M)
-    pitch = RASTER_SIZE_M / RASTER_N
-    samples = max(1, round(size_m / grid_n / pitch))
-    step = size_m / (grid_n * samples)
-    cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
-    turn = np.array([[cosine, sine], [-sine, cosine]])
-    corner = np.array([0.5 * step - 0.5 * size_m - x_m, 0.5 * step - 0.5 * size_m - y_m])
-    start = turn @ corner / pitch + 0.5 * RASTER_N - 0.5 - np.array([patch.column, patch.row])
-    matrix = np.column_stack([turn * (step / pitch), start])
+    pose = _Pose(x_m, y_m, math.cos(angle_rad), math.sin(angle_rad))
     placed = np.zeros((grid_n, grid_n), np.float32)
-    rows, columns = _met(patch, matrix, samples, grid_n)
+    rows, columns = _met(patch, pose, grid_n, size_m)
     if rows.stop > rows.start and columns.stop > columns.start:
-        placed[rows, columns] = _cells(patch, matrix, samples, rows, columns)
+        placed[rows, columns] = _cells(patch, pose, grid_n, size_m, rows, columns)
     return placed
 
 
-def _met(patch: _Patch, matrix: NDArray[np.float64], samples: int, grid_n: int) -> tuple[slice, slice]:
-    """Rows and columns of the grid's cells with samples inside the patch, where `matrix` takes samples to its cells."""
+def _met(patch: _Patch, pose: _Pose, grid_n: int, size_m: float) -> tuple[slice, slice]:
+    """Rows and columns of the grid's cells that the turned patch may reach, with its blurred border."""
+    pitch = RASTER_SIZE_M / RASTER_N
     height, width = patch.heights.shape
-    ends = np.array([[-1, width, -1, width], [-1, -1, height, height]])
-    column, row = np.linalg.solve(matrix[:, :2], ends - matrix[:, 2:]) / samples
-    low = np.clip(np.floor([row.min(), column.min()]), 0, grid_n).astype(int)
-    high = np.clip(np.ceil([row.max(), column.max()]) + 1, 0, grid_n).astype(int)
-    return slice(low[0], high[0]), slice(low[1], high[1])
+    along = (patch.column + 0.5 * width - 0.5 * RASTER_N) * pitch
+    across = (patch.row + 0.5 * height - 0.5 * RASTER_N) * pitch
+    cosine, sine = abs(pose.cosine), abs(pose.sine)
+    half_x = 0.5 * pitch * (cosine * (width + 1) + sine * (height + 1))
+    half_y = 0.5 * pitch * (sine * (width + 1) + cosine * (height + 1))
+    x = pose.x_m + pose.cosine * along - pose.sine * across
+    y = pose.y_m + pose.sine * along + pose.cosine * across
+
+    def span(centre: float, half: float) -> slice:
+        first = math.floor((centre - half) / size_m * grid_n + 0.5 * grid_n)
+        last = math.floor((centre + half) / size_m * grid_n + 0.5 * grid_n)
+        return slice(min(max(first, 0), grid_n), min(max(last + 1, 0), grid_n))
+
+    return span(y, half_y), span(x, half_x)
 
 
-def _cells(patch: _Patch, matrix: NDArray[np.float64], samples: int, rows: slice, columns: slice) -> Raster:
-    """Means of `samples` x `samples` interpolated heights over these cells."""
-    origin = np.array([columns.start * samples, rows.start * samples])
-    shifted = np.column_stack([matrix[:, :2], matrix[:, 2] + matrix[:, :2] @ origin])
+def _cells(patch: _Patch, pose: _Pose, grid_n: int, size_m: float, rows: slice, columns: slice) -> Raster:
+    """Means over these cells of the heights interpolated at about the raster's pitch."""
+    pitch = RASTER_SIZE_M / RASTER_N
+    samples = max(1, round(size_m / grid_n / pitch))
+    step = size_m / grid_n / samples
+    x = (columns.start * samples + 0.5) * step - 0.5 * size_m - pose.x_m
+    y = (rows.start * samples + 0.5) * step - 0.5 * size_m - pose.y_m
+    cosine, sine, zoom = pose.cosine, pose.sine, step / pitch
+    origin = 0.5 * RASTER_N - 0.5
+    matrix = np.array(
+        [
+            [cosine * zoom, sine * zoom, (cosine * x + sine * y) / pitch + origin - patch.column],
+            [-sine * zoom, cosine * zoom, (cosine * y - sine * x) / pitch + origin - patch.row],
+        ]
+    )
     shape = (columns.stop - columns.start, rows.stop - rows.start)
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     fine_shape = (shape[0] * samples, shape[1] * samples)
-    fine: Raster = cv2.warpAffine(patch.heights, shifted, fine_shape, flags=flags, borderMode=cv2.BORDER_CONSTANT)
+    fine: Raster = cv2.warpAffine(patch.heights, matrix, fine_shape, flags=flags, borderMode=cv2.BORDER_CONSTANT)
     return fine if samples == 1 else np.asarray(cv2.resize(fine, shape, interpolation=cv2.INTER_AREA))
 
 
