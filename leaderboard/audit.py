@@ -11,6 +11,8 @@ from leaderboard.names import METHODS, MODALITIES, SPLITS, title
 
 PROBE_MARGIN = 5.0
 """A probe this close to the best method, in percentage points, or with an overlapping interval, is a warning."""
+LEAST_GROUPS = 3
+"""With fewer, a 95 % interval holds nearly every score: that two of them overlap says nothing."""
 TOO_EASY = 99.0
 """Above this accuracy, in percent, for best and worst method alike, a protocol ranks nothing."""
 
@@ -41,7 +43,7 @@ def probes_table(cells: pd.DataFrame, margin: float = PROBE_MARGIN) -> pd.DataFr
     """Return one row a probe beside the best method of the same protocol; `warning` where the probe comes near.
 
     Near means within `margin` percentage points of the best method's score, better than it, or with an overlapping
-    interval: then the score may rest on what the probe sees, and not on touch.
+    interval, where both have three groups or more: then the score may rest on what the probe sees, and not on touch.
     """
     kept = latest(cells)
     best = _best_methods(kept)
@@ -72,7 +74,7 @@ def _near(probe: Row, best: Row, margin: float) -> bool:
     ahead = probe["value"] - best["value"] if higher else best["value"] - probe["value"]
     if ahead >= (-margin if best["unit"] == "%" else 0):
         return True
-    if probe["high"] is None or best["low"] is None:
+    if probe["high"] is None or best["low"] is None or min(probe["groups"], best["groups"]) < LEAST_GROUPS:
         return False
     return bool(probe["high"] >= best["low"] if higher else probe["low"] <= best["high"])
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 
 from leaderboard.contents import BoardTables
+from leaderboard.labels import beside
 from leaderboard.sections import laws_view, pose_view, probe_views, result_view
 from leaderboard.slip_views import slip_views, table_iv
 from leaderboard.studies import study_views
@@ -26,7 +27,7 @@ def format_console(tables: BoardTables) -> str:
             _titled(
                 result_view(table, tables.machines),
                 table.kind,
-                f"{table.task}, {table.variant}{table.apart and f', {table.apart}'}",
+                f"{table.task}, {beside(table.variant, table.label)}{table.apart and f', {table.apart}'}",
             )
             for table in group.tables
         ]

@@ -99,7 +99,7 @@ def _speed_panel(
     x, y = Scale(*x_range, LEFT + 4, RIGHT - 8, log=True), Scale(0, top, BOTTOM, TOP)
     parts = [svg.frame(x, y, head, "time a sample", f"error, {rows[0]['unit']}", _duration)]
     edge = front(rows, time)
-    parts.append(svg.polyline(_stairs([(x(row[time]), y(row["error"])) for row in edge], x.stop), "front"))
+    parts.append(svg.polyline(stairs([(x(row[time]), y(row["error"])) for row in edge], x.stop), "front"))
     marks = []
     for row in rows:
         at, (css, shape) = x(row[time]), style(row["method"])
@@ -116,7 +116,7 @@ def _speed_panel(
     return svg.drawing(WIDTH, HEIGHT, f"Error against speed, {head}", Markup("").join([*parts, *marks]))
 
 
-def _stairs(points: Sequence[tuple[float, float]], stop: float) -> list[tuple[float, float]]:
+def stairs(points: Sequence[tuple[float, float]], stop: float) -> list[tuple[float, float]]:
     """Return the corners of a front that falls from left to right, drawn on to `stop`."""
     corners = [points[0]]
     for (_, before), (x, y) in pairwise(points):

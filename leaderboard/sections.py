@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from leaderboard.frame import Row, records_of
+from leaderboard.labels import beside, labels
 from leaderboard.names import METHODS, MODALITIES, ROLES, SPLITS, VARIANTS, order, title
 from leaderboard.notes import Machines, result_notes
 from leaderboard.tables import ResultTable
@@ -74,8 +75,8 @@ def result_view(table: ResultTable, machines: Machines) -> View:
 
 def _result_title(table: ResultTable) -> str:
     if table.paper_table:
-        return f"Table {table.paper_table} of the paper beside ours: {table.press} presses"
-    return f"Protocol {table.variant}" + (f": {APART[table.apart]}" if table.apart else "")
+        return beside(f"Table {table.paper_table} of the paper beside ours: {table.press} presses", table.label)
+    return beside(f"Protocol {table.variant}", table.label) + (f": {APART[table.apart]}" if table.apart else "")
 
 
 def _result_row(
@@ -215,14 +216,17 @@ def _probe_view(task: str, rows: list[Row]) -> View:
         if row["value"] is not None and (rival["value"] is None or row["value"] > rival["value"]):
             line[row["modality"]] = row
     unit = next((row["unit"] for row in rows if row["unit"]), "%")
+    first = [next(iter(line.values())) for line in protocols.values()]
+    same = [(row["variant"], row["split"], row["kind"]) for row in first]
+    named = labels(same, [row["dataset"] for row in first], [row["dataset_hash"] for row in first])
     lines = [
         (
-            Cell(variant),
+            Cell(beside(variant, label)),
             Cell(title(SPLITS, split)),
             *(_probe_cell(line.get(name, {})) for name in names),
             _best_cell(next(iter(line.values()))),
         )
-        for (variant, split, *_), line in protocols.items()
+        for ((variant, split, *_), line), label in zip(protocols.items(), named, strict=True)
     ]
     return View(
         id="probes",

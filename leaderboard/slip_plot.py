@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from markupsafe import Markup
 
 from leaderboard import svg
+from leaderboard.curves import front
 from leaderboard.names import METHODS, MODALITIES, SPLITS, title
-from leaderboard.plots import BOTTOM, HEIGHT, LEFT, RIGHT, TOP, WIDTH, Figure, Strip, legend, style
+from leaderboard.plots import BOTTOM, HEIGHT, LEFT, RIGHT, TOP, WIDTH, Figure, Strip, legend, stairs, style
 from leaderboard.record import Record
 from leaderboard.slip_cells import delay_text
 from leaderboard.slip_tables import SlipBlock
@@ -41,7 +42,8 @@ def delay_figure(block: SlipBlock, split: str, name: str) -> Figure | None:
         title="Delay against cost",
         caption=f"{title(SPLITS, split).capitalize()}. Lower left is better: median delay of the onset at a fixed "
         "number of false alarms a minute, and the time that a batch takes a sample on one thread; whiskers are 95 % "
-        "intervals. A detector that misses most slips stands on the upper edge.",
+        "intervals. A detector that misses most slips stands on the upper edge. The line is the "
+        "Pareto front of the others, as their figures stand.",
         strips=tuple(strips),
         legend=legend([record.identity.method for record in records]),
     )
@@ -51,6 +53,10 @@ def _panel(records: Sequence[Record], rate: float, x_range: tuple[float, float],
     x, y = Scale(*x_range, LEFT + 4, RIGHT - 8, log=True), Scale(bottom, top, BOTTOM, TOP)
     head = f"{rate:g} false alarms a minute"
     parts = [svg.frame(x, y, head, "time a sample, µs", "median delay, ms", lambda value: f"{value:g}")]
+    found = [{"us": _value(r, "batch_us", None), "error": _value(r, "delay_ms", rate)} for r in records]
+    edge = front([row for row in found if row["error"] < MISSED_MS / 2], "us")
+    if edge:
+        parts.append(svg.polyline(stairs([(x(row["us"]), y(row["error"])) for row in edge], x.stop), "front"))
     marks = []
     for record in records:
         delay, cost = metric(record, "delay_ms", rate), _value(record, "batch_us", None)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from leaderboard.labels import beside, labels
 from leaderboard.names import METHODS, MODALITIES, SPLITS, order, title
 from leaderboard.record import Record
 from leaderboard.slips import BASELINE, MISSED_MS, SUPPORTED, is_slip, levels, metric, parse, rates
@@ -17,7 +18,10 @@ BOTH_MISS = "both miss most slips"
 
 @dataclass(frozen=True)
 class SlipBlock:
-    """Results on the same trials with the same protocol: what may be compared."""
+    """Results on the same trials with the same protocol: what may be compared.
+
+    `label` names the trials where another block has the same protocol.
+    """
 
     task: str
     variant: str
@@ -25,6 +29,12 @@ class SlipBlock:
     dataset: str
     dataset_hash: str
     records: tuple[Record, ...]
+    label: str = ""
+
+    @property
+    def protocol(self) -> str:
+        """The variant, with the trials where another block is of the same one."""
+        return beside(self.variant, self.label)
 
     @property
     def splits(self) -> list[str]:
@@ -49,7 +59,9 @@ def slip_blocks(records: Iterable[Record]) -> tuple[SlipBlock, ...]:
     for record in cells.values():
         who = record.identity
         grouped.setdefault((who.task, who.variant, who.kind, who.dataset, who.dataset_hash), []).append(record)
-    return tuple(SlipBlock(*name, tuple(grouped[name])) for name in sorted(grouped))
+    names = sorted(grouped)
+    named = labels([name[:3] for name in names], [name[3] for name in names], [name[4] for name in names])
+    return tuple(SlipBlock(*name, tuple(grouped[name]), label) for name, label in zip(names, named, strict=True))
 
 
 def metrics_frame(blocks: Iterable[SlipBlock]) -> pd.DataFrame:
@@ -94,7 +106,7 @@ def verdicts(block: SlipBlock) -> list[str]:
                 said = ", ".join(_at(record, rate) for rate in rates([record]))
                 rule = title(MODALITIES, record.identity.modality)
                 sentences.append(
-                    f"{block.task}, {block.variant}, {title(SPLITS, split)}, {rule}: "
+                    f"{block.task}, {block.protocol}, {title(SPLITS, split)}, {rule}: "
                     f"the covariance detector against the energy baseline: {said}.{_by_kind(record)}"
                 )
     return sentences

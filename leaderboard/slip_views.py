@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from leaderboard.labels import beside
 from leaderboard.names import SPLITS, title
 from leaderboard.paper import TABLE_IV
 from leaderboard.record import Record
@@ -46,21 +47,20 @@ def slip_views(block: SlipBlock, conditions: bool = True) -> Iterator[View]:
 
 
 def split_views(block: SlipBlock, split: str, conditions: bool = True) -> Iterator[View]:
-    """The views of one split, delays first; none where nothing was scored."""
+    """The views of one split, delays first, each with its protocol and split; none where nothing was scored."""
     records = block.of(split)
     if not records:
         return
-    yield delay_view(block, split, records)
-    for view in (
+    views = [
+        delay_view(block, split, records),
         called_view(block, split, records),
         negatives_view(block, split, records),
         false_alarm_view(block, split, records),
         rest_view(block, split, records),
-    ):
-        if view is not None:
-            yield view
-    if conditions:
-        yield from condition_views(block, split, records)
+        *(condition_views(block, split, records) if conditions else ()),
+    ]
+    where = f"{block.protocol}, {title(SPLITS, split)}"
+    yield from (replace(view, title=f"{view.title} · {where}") for view in views if view is not None)
 
 
 def table_iv(block: SlipBlock) -> View | None:
@@ -79,7 +79,7 @@ def table_iv(block: SlipBlock) -> View | None:
     heads = ("Thresholds from", "Threshold", "Detector", *(shape.capitalize() for shape in shapes), "All")
     return View(
         id=f"slip-iv-{block.dataset_hash[:8]}",
-        title="Table IV of the paper beside ours: slips found",
+        title=beside("Table IV of the paper beside ours: slips found", block.label),
         columns=(
             *(Column(head, at > 2, sortable=at < 3) for at, head in enumerate(heads)),
             Column("Trials with a false alarm", True, "outside the slip, in the time before and after", False),
@@ -126,7 +126,7 @@ def delay_view(block: SlipBlock, split: str, records: Sequence[Record]) -> View:
     notes += [_MISSED, "Intervals are 95 %, bootstrap over trials with the threshold set anew in each draw."]
     return View(
         id=f"slip-delay-{block.task}-{split}-{block.dataset_hash[:8]}".replace("/", "-"),
-        title=f"Delay at fixed false alarms, {block.variant}, {title(SPLITS, split)}",
+        title="Delay at fixed false alarms",
         columns=tuple(columns),
         rows=paled(rows, 1),
         notes=(*notes, *dataset_note(block)),

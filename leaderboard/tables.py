@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import pandas as pd
 
 from leaderboard.frame import OWN, Row, latest, records_of
+from leaderboard.labels import labels
 from leaderboard.names import METHODS, MODALITIES, ROLES, SPLITS, order
 from leaderboard.paper import FIGURES, PaperFigure
 
@@ -28,7 +29,8 @@ class ResultTable:
     has paper, paper_low, paper_high (percent) and paper_note.
     `S_rank_best`, `S_rank_worst` and `S_letters` say which ranks a score may hold among those of the table, `S_probe`
     and `S_coverage` what must be said of it. `apart` is "self-reported" or "flagged" where it holds such submissions.
-    `superseded` counts records left out because a later one differs only in parameters, seed or machine.
+    `superseded` counts records left out because a later one differs only in parameters, seed or machine. `label` names
+    the dataset where another table is of the same protocol.
     """
 
     task: str
@@ -45,6 +47,7 @@ class ResultTable:
     paper_table: str = ""
     press: str = ""
     apart: str = ""
+    label: str = ""
 
     @property
     def fingerprints(self) -> tuple[str, ...]:
@@ -54,7 +57,7 @@ class ResultTable:
 
 def task_tables(cells: pd.DataFrame) -> list[ResultTable]:
     """Return a table for each task, variant and dataset, in the board's order; methods and upper lines, no probes."""
-    return [_result_table(list(block), rows, figures=()) for block, rows in _blocks(cells) if not _figures(block)]
+    return _labelled([_result_table(list(block), rows, ()) for block, rows in _blocks(cells) if not _figures(block)])
 
 
 def paper_tables(cells: pd.DataFrame) -> list[ResultTable]:
@@ -63,11 +66,15 @@ def paper_tables(cells: pd.DataFrame) -> list[ResultTable]:
     Every figure of the paper has its row, also where we have no record of it; methods that the paper lacks follow
     within their modality. The paper concatenates without weights: its fused figures stand beside both our fused rows.
     """
-    return [
-        _result_table(list(block), rows, figures=figures)
-        for block, rows in _blocks(cells)
-        if (figures := _figures(block))
-    ]
+    return _labelled(
+        [_result_table(list(block), rows, figures) for block, rows in _blocks(cells) if (figures := _figures(block))]
+    )
+
+
+def _labelled(tables: list[ResultTable]) -> list[ResultTable]:
+    protocols = [(t.task, t.protocol_version, t.variant, t.kind, t.apart) for t in tables]
+    named = labels(protocols, [t.dataset for t in tables], [t.dataset_hash for t in tables])
+    return [replace(table, label=label) for table, label in zip(tables, named, strict=True)]
 
 
 def _blocks(cells: pd.DataFrame) -> Iterable[tuple[tuple[Any, ...], pd.DataFrame]]:

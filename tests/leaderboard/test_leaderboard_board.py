@@ -172,7 +172,7 @@ def test_markdown_has_the_tables_and_no_html(make_record: RecordFactory, tmp_pat
 
 def test_console_shows_tables_and_notices(make_record: RecordFactory) -> None:
     text = format_console(board_tables(_suite(make_record)))
-    assert "Table II of the paper beside ours: deep presses (simulated)" in text
+    assert "Table II of the paper beside ours: deep presses, dataset press-paper (simulated)" in text
     assert "accuracy by unknown shift" in text
     assert "vtbench fetch fabricslide16" in text
     assert "\x1b" not in text

@@ -158,6 +158,62 @@ def test_the_board_says_it_all_and_the_console_less(slip_record, tmp_path):
     assert "By speed" not in printed
 
 
+def test_no_two_tables_of_a_board_have_the_same_title(slip_record, tmp_path):
+    """The same protocol on other trials, both splits, and all kinds of tables."""
+    more = (share("called[kind=tapping]", 20), share("called[kind=drift]", 5), amount("asked_rate", 0.001))
+    more += tuple(
+        each
+        for kind in ("tapping", "drift")
+        for each in (
+            ms(f"delay_ms@10[negatives={kind}]", 9, 8, 9),
+            amount(f"false_alarms_per_min@1[kind={kind}]", 1.0),
+        )
+    )
+    hard = {"task": "slip/hard/v1", "variant": "hard"}
+    records = [slip_record(split=split) for split in ("random", "held-out-object")]
+    for name in ("hard+negatives", "seen"):
+        made = {**hard, "dataset": name, "dataset_hash": f"{len(name)}" * 64}
+        records += [slip_record(**made), slip_record(**made, role="probe", modality="total-force")]
+    records = [record.model_copy(update={"metrics": (*record.metrics, *more)}) for record in records]
+    files = build_board(records, tmp_path, generated=datetime(2026, 1, 2, tzinfo=UTC))
+    text = files.markdown.read_text(encoding="utf-8")
+    titles = re.findall(r"^### (.*)", text, re.MULTILINE)
+    titles = [title for title in titles if title not in ("slip/fvsight/v1", "slip/hard/v1")]  # of the probes
+    assert len(titles) > 20
+    assert len(set(titles)) == len(titles)
+    for name in ("hard+negatives", "seen"):
+        assert f"Protocol hard, dataset {name}" in titles
+        assert f"Delay at fixed false alarms · hard, dataset {name}, held-out object" in titles
+        assert f"\n| hard, dataset {name} | held-out object" in text.partition("## What should not suffice")[2]
+    assert "Protocol paper" in titles
+    printed = [line for line in format_console(board_tables(records)).splitlines() if line.endswith("(simulated)")]
+    assert len(set(printed)) == len(printed) > 8
+
+
+def test_the_front_of_delay_against_cost_holds_what_no_cheaper_detector_beats(slip_record):
+    def made(method, us, delay):
+        record = slip_record(method, delay=delay)
+        cost = [amount("batch_us", us) if each.name == "batch_us" else each for each in record.metrics]
+        return record.model_copy(update={"metrics": tuple(cost)})
+
+    def points(*records):
+        figure = delay_figure(block(*records), "held-out-object", "x")
+        (strip,) = figure.strips
+        lines = [re.findall(r'<polyline points="([^"]*)" class="front"', str(panel)) for panel in strip.panels]
+        assert lines[0] == lines[1]  # one a rate
+        return [tuple(map(float, point.split(","))) for line in lines[0] for point in line.split()]
+
+    dear, cheap, beaten = made("spectral", 9.0, 20.0), made("energy", 1.0, 60.0), made("covariance", 5.0, 60.0)
+    line = points(dear, cheap, beaten)
+    (x0, y0), (x1, y1), (x2, y2), (x3, y3) = line
+    assert x0 < x1 == x2 < x3
+    assert y0 == y1 < y2 == y3  # less delay is further down
+    assert points(dear, cheap) == line
+    missed = made("energy", 1.0, MISSED_MS)
+    assert len(points(dear, missed, beaten)) == 4  # from beaten, which is cheaper, to dear
+    assert points(missed, made("covariance", 5.0, MISSED_MS)) == []
+
+
 def test_every_metric_is_in_the_csv_by_its_parts(slip_record):
     record = slip_record()
     frame = metrics_frame([block(record)])

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from leaderboard.audit import laws_table, missing, probe_warning, probes_table, too_easy
+from leaderboard.audit import laws_table, missing, probe_warning, probes_table, reached, too_easy
 from leaderboard.curves import pose_curve, speed_table
 from leaderboard.frame import latest, records_frame, records_of
 from leaderboard.names import METHODS, MODALITIES, VARIANTS, order, title
@@ -127,7 +127,8 @@ def test_what_was_not_measured_on_the_same_data_shares_no_table(make_record: Rec
         make_record(**same, kind="real"),
         make_record(**same, protocol_version=2),
     ]
-    assert len(task_tables(records_frame(records))) == 4
+    tables = task_tables(records_frame(records))
+    assert sorted(table.label for table in tables) == ["", "", "dataset a dddddddd", "dataset a eeeeeeee"]
 
 
 def test_real_fabrics_have_their_table_and_a_skipped_row_its_reason(make_record: RecordFactory) -> None:
@@ -167,6 +168,22 @@ def test_a_probe_that_comes_near_is_a_warning(
     assert row["warning"] is warned
     assert (row["best_method"], row["best_value"]) == ("svm", 90.0)
     assert f"{100 * value:.1f} %" in probe_warning(row)
+
+
+@pytest.mark.parametrize(("groups", "warned"), [(1, False), (2, False), (3, True)])
+@pytest.mark.parametrize("few", ["probe", "method"])
+def test_intervals_of_one_or_two_groups_overlap_with_everything_and_warn_of_nothing(
+    make_record: RecordFactory, groups: int, warned: bool, few: str
+) -> None:
+    counts = {name: groups if name == few else 27 for name in ("probe", "method")}
+    best = make_record(0.98, 0.10, 1.0, groups=counts["method"])
+    shuffled = make_record(0.04, 0.0, 0.6, groups=counts["probe"], role="probe", modality="shuffled-labels")
+    near = make_record(0.94, 0.0, 1.0, groups=groups, role="probe", modality="total-force")
+    cells = records_frame([best, shuffled, near])
+    found = {row["modality"]: row["warning"] for row in records_of(probes_table(cells))}
+    assert found == {"shuffled-labels": warned, "total-force": True}  # within five points, whatever the groups
+    said = reached(records_frame([best, shuffled]))
+    assert (best.key in said) is warned
 
 
 def test_a_probe_compares_with_its_own_protocol_only(make_record: RecordFactory) -> None:
