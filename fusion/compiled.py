@@ -18,8 +18,8 @@ def compiled(function: F) -> F:
     """`function` as machine code of IEEE arithmetic, order of operations kept.
 
     The code is cached beside the module or, where that folder is read-only, in the user's cache; where
-    neither can be written, it is compiled anew in each process. The cache knows the age of the function's own
-    file only: after a change in a function that others call, touch their files too.
+    neither can be written, it is compiled anew in each process. The cache knows the function's own file only:
+    after a change in a function that another file calls, delete the cached code, `__pycache__/*.nb[ci]`.
     """
     try:
         return njit(nogil=True, cache=True)(function)

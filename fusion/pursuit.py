@@ -1,9 +1,10 @@
 """The compiled loop of kernel orthogonal matching pursuit: one query after the other, all steps fused.
 
 One partial Cholesky factorisation per query: row j of `basis` holds the inner products of all atoms with the
-j-th orthonormal direction, so a step reads one Gram row and j earlier basis rows, block by block, and the
-correlations are updated by bounded numbers even where the coefficients are huge (wide kernels). Nothing is
-shared between queries, so that no cut of them into chunks or threads can change a bit.
+j-th orthonormal direction, so a step reads one Gram row and j earlier basis rows, tile by tile, writes row j,
+updates the correlations by bounded numbers even where the coefficients are huge (wide kernels), and looks for
+the largest of them, all in one pass. A chosen atom's correlation is NaN from then on, which is never larger.
+Nothing is shared between queries, so that no cut of them into chunks or threads can change a bit.
 """
 
 from __future__ import annotations
@@ -13,14 +14,26 @@ import math
 import numpy as np
 
 from fusion.arrays import FloatArray, IntArray
-from fusion.compiled import compiled, unsigned
+from fusion.compiled import compiled
 from fusion.gram import Gram
+from fusion.lanes import (
+    FOLD,
+    TILE,
+    less_product,
+    load,
+    peaks,
+    prefetch,
+    product,
+    spread,
+    spread_fold,
+    store,
+    where_larger,
+)
 from fusion.pairs import gram_row
 
 EPS = float(np.finfo(np.float64).eps)
 DOUBTFUL_PIVOT = 1e-4  # of the atom's squared norm: from here on rounding in the pivot is estimated
-SIGNLESS = 2**63 - 1  # all bits of a float but its sign
-BLOCK = 1024  # atoms worked on at once: a few such rows stay in the first-level cache
+AHEAD = 512  # atoms: how far ahead of its use a Gram row is fetched
 
 
 @compiled
@@ -40,150 +53,201 @@ def pursue(
     """Write the codes of the queries from `start` to `stop` into `indices`, `coefs` and `energy`.
 
     `kernels` (M, q, n) holds M modalities' values of q queries with n atoms, `scales` (M, n) the factor on
-    each atom's correlation (0 bars the atom). `basis` (M, k, n) and `working` (2 M + 1, n) are scratch.
+    each atom's correlation (0 bars the atom). `basis` (M, k, w) and `working` (2 M + 1, w) are `scratch`.
     `indices` (q, k) comes filled with -1, `coefs` (M, q, k) and `energy` (M, q) with 0.
     """
-    n_modalities, _, n = kernels.shape
-    k = indices.shape[1]
+    n_modalities, n_queries, n = kernels.shape
+    k, width = indices.shape[1], working.shape[1]
+    if width % TILE or width < n:
+        raise ValueError("basis and working must come from scratch(): whole tiles of atoms")
     lower = np.zeros((n_modalities, k, k))
     projections = np.empty((n_modalities, k))
     smallest = np.empty(n_modalities)
-    correlations, free, score = working[:n_modalities], working[n_modalities : 2 * n_modalities], working[-1, :n]
+    leaders = np.empty(2 * FOLD)
+    # flat views, taken once: a view taken in the loop costs as much as a short row
+    flat, directions, factors = working.reshape(-1), basis.reshape(-1), lower.reshape(-1)
+    rows, queries, diagonals = gram.stored.reshape(-1), kernels.reshape(-1), gram.diagonals.reshape(-1)
+    stored = len(rows) > 0
+    row = np.empty(0 if stored else n)
     unit = n_modalities == 1
     for m in range(n_modalities):
+        working[n_modalities + m, n:] = 0.0
         for p in range(n):
-            free[m, p] = scales[m, p]
+            working[n_modalities + m, p] = scales[m, p]
             unit = unit and scales[m, p] == 1.0
-    if unit:  # sizes are correlations, read where they lie
-        score = correlations[0, :n]
-    bits = score.view(np.int64)
+    score = 0 if unit else 2 * n_modalities * width  # where sizes are correlations they are read where they lie
     for query in range(start, stop):
         for m in range(n_modalities):
             smallest[m] = 1.0
-            for p in range(unsigned(0), unsigned(n)):
-                correlations[m, p] = kernels[m, query, p]
+            _begin(queries, (m * n_queries + query) * n, n, flat, m * width, width, leaders)
+        if not unit:
+            _score(working, leaders)
         first = 0.0
-        chosen = indices[query]
         taken = 0
         for step in range(k):
-            atom = _best_atom(correlations, free, score, bits, unit)
-            best = abs(score[atom])
+            best, atom = _leader(leaders, flat, score)
             if step == 0:
                 first = best
             if not (best > 8.0 * EPS * first and best > 0.0):
                 break
+            for m in range(n_modalities):
+                projections[m, step] = flat[m * width + atom]
+            flat[atom] = math.nan
             independent = False
             for m in range(n_modalities):
-                factors = lower[m, step]
-                diagonal = pivot = gram.diagonals[m, atom]
+                own = (m * k + step) * k
+                place = _place(atom, 0, k) + m * k * width
+                diagonal = pivot = diagonals[m * n + atom]
                 for earlier in range(step):
-                    factors[earlier] = basis[m, earlier, atom]
-                    pivot -= factors[earlier] * factors[earlier]
+                    factor = directions[place + earlier * TILE]
+                    factors[own + earlier] = factor
+                    pivot -= factor * factor
                 usable = diagonal > 0.0 and pivot > tol * diagonal
                 if usable:
                     smallest[m] = min(smallest[m], pivot / diagonal)
                     if smallest[m] < DOUBTFUL_PIVOT:
-                        usable = pivot > _pivot_noise(lower[m], gram.diagonals[m], chosen, atom, step)
+                        usable = pivot > _pivot_noise(lower[m], gram.diagonals[m], indices[query], atom, step)
                 independent = independent or usable
                 root = math.sqrt(pivot) if usable else 1.0
-                projection = correlations[m, atom] / root if usable else 0.0
-                factors[step] = root
+                projection = projections[m, step] / root if usable else 0.0
+                factors[own + step] = root
                 projections[m, step] = projection
                 energy[m, query] += projection * projection
                 if step + 1 < k:
-                    _advance(gram, basis, lower, correlations, m, atom, step, usable, projection)
+                    inverse = 1.0 / root if usable else 0.0
+                    if stored:
+                        at = (m * n + atom) * n
+                        _advance(
+                            rows, at, n, directions, k, factors, m, step, inverse, projection, flat, width, leaders
+                        )
+                    else:
+                        gram_row(gram, m, atom, row)
+                        _advance(row, 0, n, directions, k, factors, m, step, inverse, projection, flat, width, leaders)
             if not independent:
                 break
-            chosen[step] = atom
+            indices[query, step] = atom
             taken += 1
-            for m in range(n_modalities):
-                free[m, atom] = 0.0
-            if unit:
-                for place in range(taken):
-                    score[chosen[place]] = 0.0
+            if not unit and step + 1 < k:
+                _score(working, leaders)
         for m in range(n_modalities):
-            for place in range(taken):
-                free[m, chosen[place]] = scales[m, chosen[place]]
             _back_substitute(lower[m], projections[m], taken, coefs[m, query])
 
 
 @compiled
-def _best_atom(correlations: FloatArray, free: FloatArray, scores: FloatArray, bits: IntArray, unit: bool) -> int:
-    """Write each atom's size of correlation over the modalities into `scores`; the lowest index of the largest.
+def _place(atom: int, row: int, k: int) -> int:
+    """Where `atom`'s value of basis row `row` lies: the k rows of one tile of atoms lie together."""
+    return (atom // TILE * k + row) * TILE + atom % TILE
 
-    With `unit` the scores are there already, but for their sign. `bits` are the scores read as whole numbers,
-    whose order is the same without the sign: that vectorises, and so does a search without an early end.
-    """
-    n_modalities, n = len(correlations), len(scores)
-    largest = np.int64(-1)
-    start = stop = unsigned(0)
-    for block in range(0, n, BLOCK):
-        begin, end = unsigned(block), unsigned(min(block + BLOCK, n))
-        if not unit:
-            for p in range(begin, end):
-                scores[p] = abs(correlations[0, p]) * free[0, p]
-        if n_modalities > 1:
-            for p in range(begin, end):
-                scores[p] *= scores[p]
-            for m in range(1, n_modalities):
-                for p in range(begin, end):
-                    size = correlations[m, p] * free[m, p]
-                    scores[p] += size * size
-            for p in range(begin, end):
-                scores[p] = math.sqrt(scores[p])
-        here = np.int64(-1)
-        for p in range(begin, end):
-            here = max(here, bits[p] & SIGNLESS)
-        if here > largest:
-            largest, start, stop = here, begin, end
-    place = stop
-    for p in range(start, stop):
-        place = min(place, p if bits[p] & SIGNLESS == largest else stop)
-    return int(place)
+
+@compiled
+def _begin(
+    queries: FloatArray, at: int, n: int, working: FloatArray, base: int, width: int, leaders: FloatArray
+) -> None:
+    """Copy a query's kernel values, from place `at` on, to the correlations at `base`; NaN behind the last atom."""
+    best, where = spread_fold(-1.0), spread_fold(0.0)
+    whole = n - n % TILE
+    for p in range(whole, width):
+        working[base + p] = queries[at + p] if p < n else math.nan
+    for p in range(0, width, TILE):
+        values = load(queries, at + p) if p < whole else load(working, base + p)
+        prefetch(queries, at + p + AHEAD)
+        store(working, base + p, values)
+        top = peaks(values)
+        where = where_larger(top, best, spread_fold(float(p)), where)
+        best = where_larger(top, best, top, best)
+    store(leaders, 0, best)
+    store(leaders, FOLD, where)
 
 
 @compiled
 def _advance(
-    gram: Gram,
+    source: FloatArray,
+    at: int,
+    n: int,
     basis: FloatArray,
-    lower: FloatArray,
-    correlations: FloatArray,
+    k: int,
+    factors: FloatArray,
     m: int,
-    atom: int,
     step: int,
-    usable: bool,
+    inverse: float,
     projection: float,
+    working: FloatArray,
+    width: int,
+    leaders: FloatArray,
 ) -> None:
-    """Write basis row `step`, the part of the Gram row outside the earlier rows, and take it off the query."""
-    n = gram.diagonals.shape[1]
-    stored = len(gram.stored) > 0
-    if not stored:
-        gram_row(gram, m, atom, basis[m, step, :n])
-    inverse = 1.0 / lower[m, step, step] if usable else 0.0
-    whole = 4 * (step // 4)
-    for block in range(0, n, BLOCK):
-        begin, end = unsigned(block), unsigned(min(block + BLOCK, n))
-        if stored:
-            for p in range(begin, end):
-                basis[m, step, p] = gram.stored[m, atom, p]
-        for j in range(0, whole, 4):
-            f, g, h, i = lower[m, step, j], lower[m, step, j + 1], lower[m, step, j + 2], lower[m, step, j + 3]
-            for p in range(begin, end):
-                basis[m, step, p] = (
-                    basis[m, step, p]
-                    - f * basis[m, j, p]
-                    - g * basis[m, j + 1, p]
-                    - h * basis[m, j + 2, p]
-                    - i * basis[m, j + 3, p]
-                )
-        for j in range(whole, step):
-            f = lower[m, step, j]
-            for p in range(begin, end):
-                basis[m, step, p] -= f * basis[m, j, p]
-        for p in range(begin, end):
-            value = basis[m, step, p] * inverse
-            basis[m, step, p] = value
-            correlations[m, p] -= projection * value
+    """Write basis row `step`, the part of the Gram row outside the earlier rows, and take it off the query.
+
+    The Gram row's n values lie in `source` from place `at` on. `leaders` receives the largest sizes of the new
+    correlations in each of eight columns of atoms, and the tiles where they lie.
+    """
+    best, where = spread_fold(-1.0), spread_fold(0.0)
+    scale, part = spread(inverse), spread(projection)
+    whole = n - n % TILE
+    base, own = m * k * width, (m * k + step) * k
+    last = base + _place(whole, step, k)
+    if whole < n:
+        for p in range(TILE):
+            basis[last + p] = source[at + whole + p] if whole + p < n else 0.0
+    for p in range(0, n, TILE):
+        values = load(source, at + p) if p < whole else load(basis, last)
+        prefetch(source, at + p + AHEAD)
+        row = base + p * k
+        for earlier in range(step):
+            values = less_product(values, spread(factors[own + earlier]), load(basis, row))
+            row += TILE
+        values = product(values, scale)
+        store(basis, row, values)
+        values = less_product(load(working, m * width + p), part, values)
+        store(working, m * width + p, values)
+        top = peaks(values)
+        where = where_larger(top, best, spread_fold(float(p)), where)
+        best = where_larger(top, best, top, best)
+    store(leaders, 0, best)
+    store(leaders, FOLD, where)
+
+
+@compiled
+def _score(working: FloatArray, leaders: FloatArray) -> None:
+    """Write each atom's size of correlation over the modalities into the last row, and `leaders` as `_advance` does.
+
+    `working` (2 M + 1, w) holds the correlations, their factors and the sizes.
+    """
+    best, where = spread_fold(-1.0), spread_fold(0.0)
+    n_modalities, width = len(working) // 2, working.shape[1]
+    score = working[2 * n_modalities]
+    for p in range(0, width, TILE):
+        for q in range(p, p + TILE):
+            score[q] = abs(working[0, q]) * working[n_modalities, q]
+        if n_modalities > 1:
+            for q in range(p, p + TILE):
+                score[q] *= score[q]
+            for m in range(1, n_modalities):
+                for q in range(p, p + TILE):
+                    size = working[m, q] * working[n_modalities + m, q]
+                    score[q] += size * size
+            for q in range(p, p + TILE):
+                score[q] = math.sqrt(score[q])
+        top = peaks(load(score, p))
+        where = where_larger(top, best, spread_fold(float(p)), where)
+        best = where_larger(top, best, top, best)
+    store(leaders, 0, best)
+    store(leaders, FOLD, where)
+
+
+@compiled
+def _leader(leaders: FloatArray, working: FloatArray, score: int) -> tuple[float, int]:
+    """The largest of the sizes at `score` (their signs aside) and the lowest index that has it; -1 where it is 0."""
+    best = leaders[0]
+    for column in range(1, FOLD):
+        best = max(best, leaders[column])
+    lowest = -1
+    for column in range(FOLD):
+        if leaders[column] == best and best > 0.0:
+            p = int(leaders[FOLD + column]) + column
+            while abs(working[score + p]) != best:
+                p += FOLD
+            lowest = p if lowest < 0 else min(lowest, p)
+    return best, lowest
 
 
 @compiled
@@ -212,8 +276,8 @@ def _back_substitute(lower: FloatArray, values: FloatArray, size: int, x: FloatA
 
 
 def scratch(rows: int, n: int) -> FloatArray:
-    """Uninitialised (rows, n or more) whose rows start on cache lines: a load across two lines costs twice."""
-    width = -(-n // 8) * 8
+    """Uninitialised (rows, n or more) of whole tiles that start on cache lines: a load across two lines costs twice."""
+    width = -(-n // TILE) * TILE
     flat = np.empty(rows * width + 8)
     start = (-flat.ctypes.data % 64) // 8
     return flat[start : start + rows * width].reshape(rows, width)

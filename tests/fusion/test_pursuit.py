@@ -11,9 +11,11 @@ from scipy.spatial.distance import cdist
 
 import fusion
 from fusion import KSC
+from fusion.arrays import frozen
 from fusion.gram import gram_on_demand, stored_gram
 from fusion.kernels import linear_kernel, rbf_kernel
 from fusion.komp import joint_komp
+from fusion.pursuit import pursue
 
 EPS = np.finfo(float).eps
 
@@ -87,7 +89,7 @@ def sets(seed, n_atoms, gammas, n_queries=6):
     return [rbf_kernel(a, a, g) for a, _, g in pairs], np.stack([rbf_kernel(q, a, g) for a, q, g in pairs])
 
 
-@pytest.mark.parametrize("n_atoms", [1, 7, 64, 1030, 2100])
+@pytest.mark.parametrize("n_atoms", [1, 7, 63, 64, 65, 1030, 2100])
 @pytest.mark.parametrize("gammas", [(0.3,), (1e-6,), (1e3,), (0.3, 2.0), (1e-4, 0.1, 1.0)], ids=str)
 def test_equals_the_plain_form_to_the_bit(n_atoms, gammas):
     grams, kernels = sets(len(gammas), n_atoms, gammas)
@@ -159,6 +161,13 @@ def test_rows_on_demand_are_refused_where_they_cannot_be_had(setting):
         KSC(**setting, store_gram=False).fit(np.eye(4), [0, 1, 0, 1])
     with pytest.raises(ValueError, match="store_gram must be"):
         KSC(**setting, store_gram="never").fit(np.eye(4), [0, 1, 0, 1])
+
+
+def test_scratch_of_another_tile_size_is_refused():
+    gram, kernels = stored_gram([np.eye(5)]), frozen(np.ones((1, 1, 5)))
+    codes = np.full((1, 2), -1), np.zeros((1, 1, 2)), np.zeros((1, 1))
+    with pytest.raises(ValueError, match="whole tiles"):
+        pursue(gram, kernels, np.ones((1, 5)), 0.0, 0, 1, np.empty((1, 2, 5)), np.empty((3, 5)), *codes)
 
 
 @pytest.mark.slow
