@@ -1,4 +1,4 @@
-"""Normal noise for the pixels of a frame, sixteen random bits a value: a twentieth of the cost of a drawn float."""
+"""Normal noise for the pixels of a frame, sixteen random bits a value: a tenth of the cost of drawing floats."""
 
 from __future__ import annotations
 
