@@ -25,10 +25,10 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         help="time the methods of a suite, serially, in fresh processes",
         about="Every method of the suite and every network that feeds it, one process at a time on one thread, "
         "interleaved in another\norder each round; loading and the first calls apart. Prints the median of the "
-        "process medians with its interval,\nand a control: one method timed as if it were "
-        "two. Samples stay in DIR/timings and are not taken twice;\nthe records of DIR get the figures. Parameters, "
-        "multiply-accumulates of one\nsample (Conv, MatMul, Gemm) and kB are counted in the ONNX graph, which a "
-        "classifier has from the features on.\nLeave the machine alone meanwhile.",
+        "process medians with its interval,\nand a control: one method timed as if it were two. Samples stay in "
+        "DIR/timings and are not taken twice;\nthe records of DIR get the figures, of a task with several protocols "
+        "those of its first. Parameters,\nmultiply-accumulates of one sample (Conv, MatMul, Gemm) and kB are counted "
+        "in the ONNX graph, which a classifier\nhas from the features on. Leave the machine alone meanwhile.",
         examples=(
             "vtbench time quick -o out/quick",
             "vtbench time quick -o out/quick --only svm --processes 20",

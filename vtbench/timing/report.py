@@ -70,19 +70,27 @@ def write_csv(folder: Path, table: Sequence[Mapping[str, Any]]) -> Path:
 
 
 def into_records(out: Path, subjects: Sequence[Subject], samples: Mapping[str, Sequence[Sample]]) -> int:
-    """Put what was measured in place of the indicative timing of the records timed; how many there were."""
+    """Put what was measured in place of the indicative timing of every record of the rows timed; how many there were.
+
+    The time of features is replaced where all networks that feed a method were timed too.
+    """
     records = {record.key: record for record in read_records(out)}
     changed = 0
     for subject in subjects:
-        record = records.get(subject.key)
-        if subject.kind == "features" or subject.copy == "b" or record is None or record.timing is None:
+        if subject.kind == "features" or subject.copy == "b":
             continue
-        write_record(out, _timed(record, cost(samples[subject.slug])))
-        changed += 1
+        found = cost(samples[subject.slug])
+        known = subject.features and all(samples.get(slug) for slug in subject.features)
+        features = sum(cost(samples[slug]).one.value for slug in subject.features) if known else None
+        split = records[subject.key].identity.split if subject.key in records else ""
+        for record in (records[key] for key in subject.row if key in records):
+            if record.timing is not None:
+                write_record(out, _timed(record, found, features, split))
+                changed += 1
     return changed
 
 
-def _timed(record: Record, found: Cost) -> Record:
+def _timed(record: Record, found: Cost, features: float | None, split: str) -> Record:
     assert record.timing is not None
     timing = Timing(
         threads=1,
@@ -91,9 +99,10 @@ def _timed(record: Record, found: Cost) -> Record:
         predict_us_per_sample=found.one.value,
         predict_low_us=found.one.low,
         predict_high_us=found.one.high,
-        feature_us_per_sample=record.timing.feature_us_per_sample,
+        feature_us_per_sample=record.timing.feature_us_per_sample if features is None else features,
         peak_rss_mb=found.peak_mb,
-        note=f"`vtbench time`: one sample a call, median of {found.processes} process medians and its 95 % "
-        f"interval; {found.many.value:.3g} us a sample in a batch of {found.large}",
+        note=f"`vtbench time`: one sample a call, fitted on the first fold of the split {split}, median of "
+        f"{found.processes} process medians and its 95 % interval; {found.many.value:.3g} us a sample in a batch of "
+        f"{found.large}",
     )
     return record.model_copy(update={"timing": timing})
