@@ -55,7 +55,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Explanation:
-    """A scene's effects, the stages of a sample (CPU ms) and the contact grids that it could take."""
+    """A scene's effects, stages of a sample (CPU ms), contact models and grids that it could take, and why those."""
 
     scene: str
     samples: int
@@ -63,6 +63,7 @@ class Explanation:
     effects: tuple[Effect, ...]
     stages_ms: dict[str, float] = field(default_factory=dict)
     grids: tuple[Grid, ...] = ()
+    models: str = ""
 
 
 Run = Callable[[int], Readings]

@@ -7,7 +7,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from sensors.contact.ladder import committed_table
 from sensors.contact.large_deflection import linear_excess
+from sensors.contact.scoring.hyperelastic import force_within
 from sensors.explain import Effect, Explanation, Grid, Readings, Run, Switch, measure_switches, rms
 from sensors.fvsight import FVSightUnit, Press, fvsight_unit
 from sensors.grids.choose import measured_choices
@@ -28,6 +30,11 @@ FLAGS = {
     "camera_noise": "shot and read noise of the pixels",
     "hysteresis": "the film remembers its loading",
 }
+MODELS = {
+    "hollow": "a hollow skin has one contact model (skin): an error bound takes its grid",
+    "plate": "a film on a plate has two contact models (springs, layer): an error bound takes model and grid",
+}
+"""What an error bound can choose from, by the sensor's support."""
 _STILL_PX = 0.25
 """Threads that move less than this may stand still in the frame."""
 
@@ -39,12 +46,20 @@ def explain_press(
     indices = spread(scene.n_samples // len(scene.object_names), len(scene.object_names), samples)
     switches = _switches(scene, indices, seed)
     cpu_ms, effects = measure_switches(_run(scene, seed), switches, indices, advance)
-    return Explanation(scene.id, len(indices), cpu_ms, tuple(effects), _stages(scene, indices, seed), _grids(scene))
+    return Explanation(
+        scene.id,
+        len(indices),
+        cpu_ms,
+        tuple(effects),
+        _stages(scene, indices, seed),
+        _grids(scene),
+        MODELS[scene.sensor.support],
+    )
 
 
 def n_effects(scene: PressScene) -> int:
     """How many effects `explain_press` switches or weighs."""
-    return len(FLAGS) + 10
+    return len(FLAGS) + (10 if scene.sensor.support == "hollow" else 11)
 
 
 def spread(passes: int, objects: int, samples: int) -> list[int]:
@@ -89,6 +104,8 @@ def _switches(scene: PressScene, indices: Sequence[int], seed: int) -> list[Swit
     ]  # fmt: skip
     presses = [_press(scene, index, seed) for index in indices]
     switches += [Switch(_weave(scene, presses)), Switch(_shadows(presses)), Switch(_stretching(scene, presses))]
+    if scene.sensor.support == "plate":
+        switches.append(Switch(_finite_strain(scene, presses)))
     switches.append(Switch(Effect("specular light", False, "canvas is matt: only gels need it")))
     return switches
 
@@ -175,6 +192,16 @@ def _stretching(scene: PressScene, presses: Sequence[tuple[FVSightUnit, Press]])
     return Effect("stretching of the skin", False, why, surface_um=excess * deepest.contact.indentation_m * 1e6)
 
 
+def _finite_strain(scene: PressScene, presses: Sequence[tuple[FVSightUnit, Press]]) -> Effect:
+    """The linear film against the hyperelastic one: the ladder's classes of indenter stand for the objects."""
+    ratio = max(press.contact.indentation_m for _, press in presses) / (scene.sensor.film_thickness_mm * 1e-3)
+    measured = committed_table().depth_ratios
+    depth = next((one for one in measured if one >= ratio), measured[-1])
+    worst, _ = force_within(1.0, depth, "layer-128")
+    why = f"pressed to {ratio:.2f} of its thickness; the linear layer's force is up to {worst:.1%} off at {depth:g}"
+    return Effect("finite strain of the film", False, why)
+
+
 def _stages(scene: PressScene, indices: Sequence[int], seed: int) -> dict[str, float]:
     unit = fvsight_unit(scene.effective_sensor(), 0)
     found = []
@@ -185,16 +212,21 @@ def _stages(scene: PressScene, indices: Sequence[int], seed: int) -> dict[str, f
 
 
 def _grids(scene: PressScene) -> tuple[Grid, ...]:
-    model = "skin" if scene.sensor.support == "hollow" else "layer"
     bound = scene.error_bound.named() if scene.error_bound else {}
-    taken = scene.effective_sensor().grid
+    sensor = scene.effective_sensor()
+    taken, name = (sensor.grid, sensor.contact), "skin" if sensor.support == "hollow" else "layer"
+    models = {"elastic": name, "springs": "springs"}
     try:
         known = measured_choices(scene.sensor.model_dump(), scene.object_classes, scene.loads_n)
     except ValueError:
-        return (Grid(model, taken, True, None, bound, None),)
+        return (Grid(models[sensor.contact], sensor.grid, True, None, bound, None),)
     rows = [
-        Grid(model, one.grid, one.grid == taken,
+        Grid(models[one.contact], one.grid, (one.grid, one.contact) == taken,
              {"force": one.force, "displacement": one.displacement, "frame": one.frame}, bound, one.cost_ms)
         for one in known
     ]  # fmt: skip
-    return tuple(rows) if any(row.taken for row in rows) else (*rows, Grid(model, taken, True, None, bound, None))
+    return (
+        tuple(rows)
+        if any(row.taken for row in rows)
+        else (*rows, Grid(models[sensor.contact], sensor.grid, True, None, bound, None))
+    )

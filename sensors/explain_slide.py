@@ -19,6 +19,8 @@ SLIDE_FLAGS = FLAGS | {
     "late_film": "a share of every change of load arrives late",
 }
 
+MODELS = "a slip scene has no error bound: model and grid are the sensor's own"
+
 
 def explain_slide(
     scene: SlipScene, samples: int = 1, seed: int = 0, advance: Callable[[int], None] = lambda count: None
@@ -46,7 +48,7 @@ def explain_slide(
         effects[-1] = replace(effects[-1], frame_levels=switches[-1].effect.frame_levels)
     sensor = scene.effective_sensor()
     grids = (Grid("skin" if sensor.support == "hollow" else "layer", sensor.grid, True, None, {}, None),)
-    return Explanation(scene.id, len(indices), cpu_ms, tuple(effects), grids=grids)
+    return Explanation(scene.id, len(indices), cpu_ms, tuple(effects), grids=grids, models=MODELS)
 
 
 def n_slide_effects() -> int:

@@ -20,6 +20,7 @@ from pydantic import (
     SerializerFunctionWrapHandler,
     field_validator,
     model_serializer,
+    model_validator,
 )
 
 from sensors.contact.direct import solve_load_direct
@@ -27,6 +28,7 @@ from sensors.contact.grid import Grid
 from sensors.contact.layer import LayerCompliance, LayerMaterial
 from sensors.contact.skin import SkinCompliance, SkinMaterial, sine_basis
 from sensors.contact.solver import ContactSolution
+from sensors.contact.winkler import WinklerBed, fit_winkler
 from sensors.electronics.piezoresistive import PRESETS, PiezoresistiveChain, Preset
 from sensors.electronics.scanning import Scanning
 from sensors.optics.camera import Camera, CameraParameters, View
@@ -39,7 +41,9 @@ FRAME_TOLERANCE = 3e-4
 """Of a contact too large for the direct solve; moves no pixel by 0.1 grey levels, no taxel by 0.01 N: below noise."""
 _GUESS_CELLS = 64
 """Cells along a side of the coarsest grid on which a contact is looked for."""
-_VARIANTS = ("taxels", "scanning", "dead_taxels", "creep")
+_VARIANTS = ("taxels", "scanning", "dead_taxels", "creep", "contact")
+_SPRING_FIT = (0.05, 0.1, 0.2, 0.3)
+"""Depths over the film's thickness at which springs are fitted, under a ball of twice that radius."""
 _UNIT_ENTROPY = 0x5F5349
 """A unit is the same physical sensor in every run: its traits depend on its number alone."""
 
@@ -54,6 +58,11 @@ class FVSightParameters(BaseModel):
         "hollow",
         description="hollow: the skin spans the housing and the camera sees its inner face; plate: the film is bonded "
         "to a rigid window and the camera sees its touched face through it, as in gel sensors",
+    )
+    contact: Literal["elastic", "springs"] = Field(
+        "elastic",
+        description="elastic: the skin or the bonded layer; springs: independent ones in the layer's place (winkler), "
+        "on a plate alone: cheap, good for the taxels' forces, wrong about the surface beside the contact",
     )
     tension_n_per_m: float = Field(600.0, gt=0, description="stretch of the skin over its frame")
     film_thickness_mm: float = Field(1.5, gt=0)
@@ -90,6 +99,14 @@ class FVSightParameters(BaseModel):
         if any(not 0 <= number < TAXELS_PER_SIDE**2 for number in numbers):
             raise ValueError(f"dead_taxels must lie in 0..{TAXELS_PER_SIDE**2 - 1}, got {list(numbers)}")
         return numbers
+
+    @model_validator(mode="after")
+    def _springs_stand_on_a_plate(self) -> FVSightParameters:
+        if self.contact == "springs" and self.support != "plate":
+            raise ValueError(
+                "contact = 'springs' stands for a film on a plate; a hollow skin has one model: set support = 'plate'"
+            )
+        return self
 
     @model_serializer(mode="wrap")
     def _name_what_is_set(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -162,6 +179,16 @@ class FVSightUnit:
         return tuple(levels)
 
     @cached_property
+    def springs(self) -> WinklerBed | None:
+        """Springs in the place of the film on its plate, fitted under a ball; None where the film is elastic."""
+        if self.parameters.contact == "elastic":
+            return None
+        thickness = self.skin.film.thickness_m
+        x, y = self.grid.coordinates()
+        ball = (x**2 + y**2) / (4 * thickness)
+        return fit_winkler(self.skin.film, self.grid, ball, [ratio * thickness for ratio in _SPRING_FIT])
+
+    @cached_property
     def camera(self) -> Camera:
         """The unit's camera with its own LEDs and cloth."""
         nominal = LedRing()
@@ -212,6 +239,8 @@ class FVSightUnit:
         tolerance: float = FRAME_TOLERANCE,
     ) -> ContactSolution:
         """The contact alone; see `press`."""
+        if self.springs is not None:
+            return self.springs.solve_load(gap, load_n)
         contact = solve_load_direct(self.levels, gap, load_n, initial=initial, tolerance=tolerance)
         if self.parameters.support == "hollow":
             self._refuse_stretching(contact.indentation_m, load_n)
@@ -225,6 +254,8 @@ class FVSightUnit:
         if isinstance(self.compliance, SkinCompliance):
             return self.compliance.deflection_modes(pressure)
         basis = _grid_basis(self.grid.n)
+        if self.springs is not None:
+            return basis.T @ (pressure / self.springs.stiffness_pa_per_m) @ basis
         return basis.T @ self.compliance.displacement(pressure) @ basis
 
     def surface(self, modes: NDArray[np.floating]) -> NDArray[np.floating]:

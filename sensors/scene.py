@@ -122,7 +122,7 @@ class Motion(_Part):
 
 
 class ErrorBound(_Part):
-    """How far a scene's readings may be off by its contact grid; the cheapest grid measured to be within is taken."""
+    """How far readings may be off by contact model and grid; the cheapest that were measured to be within are taken."""
 
     force: float | None = Field(None, gt=0, description="of each taxel, as a share of the load")
     displacement: float | None = Field(None, gt=0, description="of the surface that the camera sees, relative RMS")
@@ -158,7 +158,9 @@ class PressScene(_Part):
         description="larger objects are cut to a disc of this diameter: a rigid body across the frame rests on its rim",
     )
 
-    error_bound: ErrorBound | None = Field(None, description="chooses sensor.grid; none: the grid of the sensor")
+    error_bound: ErrorBound | None = Field(
+        None, description="chooses sensor.grid and sensor.contact; none: the sensor's own"
+    )
 
     @model_serializer(mode="wrap")
     def _name_what_is_set(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -169,6 +171,8 @@ class PressScene(_Part):
     def _one_says_the_grid(self) -> PressScene:
         if self.error_bound is not None and self.sensor.grid != FVSightParameters().grid:
             raise ValueError("sensor.grid and error_bound both say which grid to take: leave one of the two")
+        if self.error_bound is not None and self.sensor.contact != FVSightParameters().contact:
+            raise ValueError("sensor.contact and error_bound both say which model to take: leave one of the two")
         return self
 
     @model_validator(mode="after")
@@ -203,7 +207,7 @@ class PressScene(_Part):
         return len(self.object_names) * self.protocol.rounds_per_unit * self.protocol.units
 
     def grid_choice(self) -> GridChoice | None:
-        """The cheapest contact grid that is measured to be within the error bound; None for a scene without one.
+        """The cheapest contact model and grid that are measured to be within the error bound; None without a bound.
 
         Raises ValueError where no grid is, or nothing was measured for the sensor's pad, the objects or the loads.
         """
@@ -225,7 +229,7 @@ class PressScene(_Part):
     def effective_sensor(self) -> FVSightParameters:
         """The sensor's parameters on the grid that the bound asks for, with the effects that are off set to nothing."""
         choice = self.grid_choice()
-        sensor = self.sensor if choice is None else self.sensor.model_copy(update={"grid": choice.grid})
+        sensor = self.sensor if choice is None else self.sensor.model_copy(update=choice.taken)
         return self.effects.on_sensor(sensor)
 
 

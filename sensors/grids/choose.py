@@ -1,6 +1,7 @@
-"""The cheapest contact grid whose measured errors are within a scene's bounds.
+"""The cheapest contact model and grid whose measured errors are within a scene's bounds.
 
-A grid's error is its distance from the reference plus what the reference itself still moves on a finer grid.
+A film on a plate has two models, the elastic layer and springs in its place; a hollow skin has one. An error is the
+distance from the reference plus what the reference itself still moves on a finer grid.
 """
 
 from __future__ import annotations
@@ -24,13 +25,19 @@ _LOADS = 1.3
 
 @dataclass(frozen=True)
 class GridChoice:
-    """The grid taken, with its largest measured errors (the reference's own included) and its cost (ms CPU a press)."""
+    """Grid and model taken, with their largest measured errors (the reference's own included) and cost (CPU ms)."""
 
     grid: int
     force: float
     displacement: float
     frame: float
     cost_ms: float
+    contact: str = "elastic"
+
+    @property
+    def taken(self) -> dict[str, Any]:
+        """The sensor's parameters that say so."""
+        return {"grid": self.grid, "contact": self.contact}
 
 
 def choose_grid(
@@ -40,7 +47,7 @@ def choose_grid(
     bounds: Mapping[str, float],
     table: GridTable | None = None,
 ) -> GridChoice:
-    """The cheapest grid that is within all `bounds` (see `BOUNDS`) for every class of object.
+    """The cheapest model and grid that are within all `bounds` (see `BOUNDS`) for every class of object.
 
     `sensor` holds the parameters that name a pad. Raises ValueError where nothing was measured for the pad, a class or
     the loads, or no grid is within the bounds; the message names the best there is.
@@ -51,13 +58,14 @@ def choose_grid(
         return min(within, key=lambda one: one.cost_ms)
     best = min(choices, key=lambda one: max(getattr(one, name) / bound for name, bound in bounds.items()))
     words = ", ".join(f"{name} {getattr(best, name):.3g} (bound {bound:g})" for name, bound in bounds.items())
-    raise ValueError(f"no contact grid is within the error bound; the nearest is {best.grid}x{best.grid} with {words}")
+    name = f"{best.grid}x{best.grid}" + (" of springs" if best.contact == "springs" else "")
+    raise ValueError(f"no contact grid is within the error bound; the nearest is {name} with {words}")
 
 
 def measured_choices(
     sensor: Mapping[str, Any], classes: Iterable[str], loads_n: Iterable[float], table: GridTable | None = None
 ) -> list[GridChoice]:
-    """Every measured grid for a pad, the worst of `classes` each; see `choose_grid`."""
+    """Every measured model and grid for a pad, the worst of `classes` each; see `choose_grid`."""
     table = committed_grids() if table is None else table
     pad = _pad(table, sensor)
     low, high = min(table.loads_n) / _LOADS, max(table.loads_n) * _LOADS
@@ -68,16 +76,16 @@ def measured_choices(
     known = {row.objects for row in table.rows if row.pad == pad}
     if asked - known:
         raise ValueError(f"contact grids were not measured with objects of the class {min(asked - known)!r}")
-    grids = sorted({row.grid for row in table.rows if row.pad == pad})
-    return [_worst(table, pad, asked, grid) for grid in grids]
+    grids = sorted({(row.grid, row.contact) for row in table.rows if row.pad == pad})
+    return [_worst(table, pad, asked, grid, contact) for grid, contact in grids]
 
 
-def _worst(table: GridTable, pad: str, classes: set[str], grid: int) -> GridChoice:
+def _worst(table: GridTable, pad: str, classes: set[str], grid: int, contact: str) -> GridChoice:
     def picked(rows: tuple[GridRow, ...]) -> dict[str, GridRow]:
         return {row.objects: row for row in rows if row.pad == pad and row.objects in classes}
 
     moved = picked(table.reference_change)
-    rows = picked(tuple(row for row in table.rows if row.grid == grid))
+    rows = picked(tuple(row for row in table.rows if (row.grid, row.contact) == (grid, contact)))
     if set(rows) != classes or set(moved) != classes:
         raise ValueError(
             f"the table of contact grids lacks rows of {pad}: write it anew with `python -m sensors.grids`"
@@ -85,7 +93,7 @@ def _worst(table: GridTable, pad: str, classes: set[str], grid: int) -> GridChoi
     force, displacement, frame = (
         max(getattr(row, name) + getattr(moved[objects], name) for objects, row in rows.items()) for name in BOUNDS
     )
-    return GridChoice(grid, force, displacement, frame, max(row.cost_ms for row in rows.values()))
+    return GridChoice(grid, force, displacement, frame, max(row.cost_ms for row in rows.values()), contact)
 
 
 def _pad(table: GridTable, sensor: Mapping[str, Any]) -> str:

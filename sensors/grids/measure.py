@@ -27,6 +27,8 @@ _NAMING = {
     "pad on a plate": ("support", "region_mm", "film_thickness_mm", "film_modulus_mpa", "film_poisson"),
 }
 GRIDS, REFERENCE, FINER = (64, 128, 256), 256, 512
+SPRING_GRIDS = (64, 128)
+"""Finer ones cost what the layer does on these."""
 LOADS_N = (1.5, 5.0)
 _POSES = ((0.0, 0.0, 0.0), (2.1, -1.3, 37.0))
 """Places of each object (mm, mm, deg): along the grid, and turned and off the grid."""
@@ -48,30 +50,40 @@ def measure_grids(
     """Errors and costs of the grids for the pads, over the objects `names` (all where empty), two poses and two loads.
 
     The reference is solved to a tolerance of 1e-5; its own change is seen in the last pose under the largest load.
-    About four minutes of one core for all; `report` gets a line per row. Classes of objects are their families.
+    About four minutes of one core for all; `report` gets a line per row. Classes of objects are their families. A film
+    on a plate is measured with springs in its place, too.
     """
     changes: list[GridRow] = []
     rows: list[GridRow] = []
     for pad in pads:
-        units = {n: FVSightUnit(PADS[pad].model_copy(update={"grid": n}), 0) for n in (*GRIDS, FINER)}
-        found: dict[tuple[str, int], list[tuple[float, float, float, float]]] = {}
+        wanted = [(n, "elastic") for n in (*GRIDS, FINER)]
+        if PADS[pad].support == "plate":
+            wanted += [(n, "springs") for n in SPRING_GRIDS]
+        units = {(n, contact): FVSightUnit(_pad(pad, n, contact), 0) for n, contact in wanted}
+        exactly = units[REFERENCE, "elastic"], units[FINER, "elastic"]
+        del units[FINER, "elastic"]
+        found: dict[tuple[str, int, str], list[tuple[float, float, float, float]]] = {}
         for name in names or objects.names():
             family = objects.get(name).family
             for pose in _POSES:
                 for load in LOADS_N:
-                    exact = _see(units[REFERENCE], name, pose, load, _TIGHT)
+                    exact = _see(exactly[0], name, pose, load, _TIGHT)
                     if (pose, load) == (_POSES[-1], LOADS_N[-1]):
-                        finer = _see(units[FINER], name, pose, load, _TIGHT)
-                        found.setdefault((family, 0), []).append(_errors(exact, finer, load))
-                    for n in GRIDS:
-                        seen = _see(units[n], name, pose, load, None)
-                        found.setdefault((family, n), []).append(_errors(seen, exact, load))
-        for (family, n), values in found.items():
-            (changes if n == 0 else rows).append(_row(pad, family, n or REFERENCE, values))
+                        finer = _see(exactly[1], name, pose, load, _TIGHT)
+                        found.setdefault((family, 0, "elastic"), []).append(_errors(exact, finer, load))
+                    for (n, contact), unit in units.items():
+                        seen = _see(unit, name, pose, load, None)
+                        found.setdefault((family, n, contact), []).append(_errors(seen, exact, load))
+        for (family, n, contact), values in found.items():
+            (changes if n == 0 else rows).append(_row(pad, family, n or REFERENCE, contact, values))
             report(str((rows if n else changes)[-1]))
     parameters = {pad: {key: getattr(PADS[pad], key) for key in _NAMING[pad]} for pad in pads}
     words = f"{REFERENCE}x{REFERENCE} solved to {_TIGHT:g}; its own change is to {FINER}x{FINER}"
     return GridTable(parameters, LOADS_N, words, _machine(), tuple(changes), tuple(rows))
+
+
+def _pad(pad: str, n: int, contact: str) -> FVSightParameters:
+    return PADS[pad].model_copy(update={"grid": n, "contact": contact})
 
 
 def _see(
@@ -99,10 +111,10 @@ def _errors(seen: _Seen, exact: _Seen, load_n: float) -> tuple[float, float, flo
     return force, rms(seen.surface - exact.surface) / rms(exact.surface), rms(seen.frame - exact.frame), seen.cost_ms
 
 
-def _row(pad: str, family: str, grid: int, values: list[tuple[float, float, float, float]]) -> GridRow:
+def _row(pad: str, family: str, grid: int, contact: str, values: list[tuple[float, float, float, float]]) -> GridRow:
     force, displacement, frame, cost = np.array(values).T
     worst = [round(float(column.max()), 5) for column in (force, displacement, frame)]
-    return GridRow(pad, family, grid, worst[0], worst[1], worst[2], round(float(np.median(cost)), 3))
+    return GridRow(pad, family, grid, worst[0], worst[1], worst[2], round(float(np.median(cost)), 3), contact)
 
 
 def _machine() -> str:

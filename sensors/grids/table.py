@@ -18,11 +18,11 @@ _FORMAT = 1
 
 @dataclass(frozen=True)
 class GridRow:
-    """One grid of one pad under one class of object: the largest errors over its presses, and the median cost.
+    """A contact model on one grid, of one pad under one class of object: its largest errors, and the median cost.
 
     `force`: of a taxel, over the whole load. `displacement`: root mean square over that of the reference, of the
     surface that the camera sees. `frame`: root mean square over the 256x256 frame, grey levels, without noise.
-    `cost_ms`: CPU of contact, taxels and frame.
+    `cost_ms`: CPU of contact, taxels and frame. `contact`: as in the sensor's parameters.
     """
 
     pad: str
@@ -32,6 +32,7 @@ class GridRow:
     displacement: float
     frame: float
     cost_ms: float
+    contact: str = "elastic"
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,18 @@ def test_the_grid_taken_is_among_those_measured(full):
     taken = next(one for one in found.grids if one.taken)
     finest = max(found.grids, key=lambda one: one.grid)
     assert taken.error["frame"] > finest.error["frame"]
+    assert "one contact model" in found.models
     assert found.stages_ms["frame total"] > found.stages_ms["contact"] > 0
+
+
+def test_a_pad_on_a_plate_shows_both_models_and_what_linear_elasticity_leaves_out():
+    pad = FVSightParameters(support="plate", film_thickness_mm=4.0, film_modulus_mpa=0.3)
+    found = explain_press(PressScene(id="p", title="p", objects=("button",), sensor=pad, error_bound={"force": 1.0}), 1)
+    assert {one.model for one in found.grids} == {"springs", "layer"}
+    assert [one.model for one in found.grids if one.taken] == ["springs"]
+    assert "two contact models" in found.models
+    assert any(row.name == "finite strain of the film" and "%" in row.why for row in found.effects)
+    assert len(found.effects) == n_effects(PressScene(id="p", title="p", sensor=pad))
 
 
 def test_samples_spread_over_the_protocol_and_none_is_refused():

@@ -16,6 +16,9 @@ PLAIN = PressScene(id="plain", title="plain", objects=("coin-1-euro", "button"))
 SKIN = PLAIN.sensor.model_dump()
 CLASSES, LOADS = ("coin", "button"), (1.5, 5.0)
 
+PAD = PLAIN.sensor.model_copy(update={"support": "plate", "film_thickness_mm": 4.0, "film_modulus_mpa": 0.3})
+ON_PLATE = PAD.model_dump()
+
 
 @pytest.fixture(scope="module")
 def table():
@@ -47,6 +50,37 @@ def test_a_spoilt_entry_changes_the_choice(table):
     moved = tuple(replace(row, frame=9.0) for row in table.reference_change)
     with pytest.raises(ValueError, match="no contact grid"):
         choose_grid(SKIN, CLASSES, LOADS, bounds, replace(table, reference_change=moved))
+
+
+def test_the_bound_takes_the_model_where_a_pad_has_two(table):
+    """Springs do for taxels, the layer where the surface counts; a hollow skin has no springs."""
+    assert choose_grid(ON_PLATE, CLASSES, LOADS, {"force": 1.0}).contact == "springs"
+    wide, narrow = (choose_grid(ON_PLATE, CLASSES, LOADS, {"force": 1.0, "displacement": one}) for one in (9.0, 0.2))
+    assert (wide.contact, narrow.contact) == ("springs", "elastic")
+    assert wide.cost_ms < narrow.cost_ms
+    assert {one.contact for one in measured_choices(SKIN, CLASSES, LOADS)} == {"elastic"}
+
+
+@pytest.mark.parametrize("spoil", [{"force": 9.0}, {"cost_ms": 1e6}])
+def test_spoilt_springs_change_the_model(table, spoil):
+    bounds = {"force": 1.0}
+    assert choose_grid(ON_PLATE, CLASSES, LOADS, bounds, table).contact == "springs"
+    rows = tuple(replace(row, **spoil) if row.contact == "springs" else row for row in table.rows)
+    assert choose_grid(ON_PLATE, CLASSES, LOADS, bounds, replace(table, rows=rows)).contact == "elastic"
+
+
+def test_a_scene_presses_with_the_model_of_its_bound():
+    loose, tight = (
+        PressScene(**PLAIN.model_dump() | {"sensor": ON_PLATE, "error_bound": bound})
+        for bound in ({"force": 1.0}, {"displacement": 0.3})
+    )
+    assert [scene.effective_sensor().contact for scene in (loose, tight)] == ["springs", "elastic"]
+    assert describe(loose)["parameters"]["contact"] == "springs"
+    assert "contact" not in describe(tight)["parameters"]
+    made = simulate(loose, 0, 0, ("displacement", "contact"))
+    beside = made.truth["displacement"][~made.truth["contact"]]
+    assert np.abs(beside).max() < 1e-3 * made.truth["displacement"].max()
+    assert made.taxel_load.sum() == pytest.approx(made.total_force_n, rel=0.01)
 
 
 def test_the_worst_class_counts(table):
@@ -101,6 +135,8 @@ def test_a_scene_without_a_bound_does_not_speak_of_one():
         ({"error_bound": {"force": -1}}, "greater than 0"),
         ({"error_bound": {"force": 0.5}, "sensor": {"grid": 64}}, "leave one of the two"),
         ({"error_bound": {"frame": 1e-9}}, "no contact grid"),
+        ({"error_bound": {"force": 0.5}, "sensor": ON_PLATE | {"contact": "springs"}}, "leave one of the two"),
+        ({"sensor": {"contact": "springs"}}, "a hollow skin has one model"),
     ],
 )
 def test_bounds_that_cannot_be_are_refused(changes, message):
@@ -120,8 +156,10 @@ def test_a_table_survives_the_disk_and_a_broken_one_is_named(table, tmp_path):
 @pytest.mark.slow
 def test_the_committed_table_is_what_the_grids_do_today(table):
     """Measured again with one object of a class of one."""
-    again = measure_grids(("button",), pads=("skin",))
-    kept = {row.grid: row for row in table.rows if (row.pad, row.objects) == ("skin", "button")}
+    again = measure_grids(("button",))
+    kept = {(row.pad, row.grid, row.contact): row for row in table.rows if row.objects == "button"}
+    assert len(again.rows) == len(kept) == 8
     for row in again.rows:
         for name in BOUNDS:
-            assert getattr(row, name) == pytest.approx(getattr(kept[row.grid], name), rel=0.05, abs=2e-4)
+            known = getattr(kept[row.pad, row.grid, row.contact], name)
+            assert getattr(row, name) == pytest.approx(known, rel=0.05, abs=2e-4)

@@ -23,9 +23,9 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         about="Every effect is switched, on to off or off to on, on a few samples of the scene: `time` is its share of "
         "the CPU time\n(what an effect that is off would add; a few percent either way are noise), `force N` the RMS "
         "over time of the taxel\nthat changes most, `frame` the RMS over the frame in grey levels, `surface um` the "
-        "largest change of the surface that\nthe camera sees. Below stand the stages of a sample and the contact grids "
-        "with their measured errors; a scene's\n`error_bound` (force, displacement, frame) takes the cheapest that is "
-        "within.",
+        "largest change of the surface that\nthe camera sees. Below stand the stages of a sample and the contact "
+        "models and grids with their measured errors; a\nscene's `error_bound` (force, displacement, frame) takes the "
+        "cheapest that is within.",
         examples=(
             "vtbench explain fvsight-press",
             "vtbench explain fvsight-press/hard --samples 8",
@@ -76,6 +76,8 @@ def _print(found: Explanation) -> None:
         print_table(["stage", "ms CPU", "share"], [[k, v, f"{v / whole:.0%}"] for k, v in found.stages_ms.items()])
     print()
     print_table(["contact", "is", "force", "displacement", "frame", "ms CPU", "bound"], list(map(_grid, found.grids)))
+    if found.models:
+        print(found.models)
 
 
 def _effect(row: Effect) -> list[object]:
