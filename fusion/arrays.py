@@ -26,6 +26,10 @@ def frozen(values: ArrayLike, dtype: type = np.float64) -> NDArray[Any]:
 
     Where it is that already nothing is copied; a model from a memory-mapped file needs no loops of its own.
     """
+    if type(values) is np.ndarray and values.dtype == dtype:
+        flags = values.flags
+        if flags.c_contiguous and flags.aligned and not flags.writeable:
+            return values
     array = np.require(values, dtype, ["C", "E"]).view()
     array.flags.writeable = False
     return array

@@ -35,15 +35,14 @@ class Gram(NamedTuple):
 
     def part(self, members: Sequence[int]) -> Gram:
         """The modalities `members`; without copying a stored matrix where they are all, or one."""
-        everything = list(members) == list(range(self.n_modalities))
-        chosen = (
-            slice(None) if everything else slice(members[0], members[0] + 1) if len(members) == 1 else list(members)
-        )
+        if list(members) == list(range(self.n_modalities)):
+            return self
+        chosen = slice(members[0], members[0] + 1) if len(members) == 1 else list(members)
         pieces = [self.atoms[self.bounds[m] : self.bounds[m + 1]] for m in members]
         return _gram(
             self.stored[chosen] if len(self.stored) else self.stored,
             self.diagonals[chosen],
-            self.atoms if everything else np.concatenate(pieces),
+            np.concatenate(pieces),
             np.cumsum([0, *map(len, pieces)]),
             self.widths[chosen],
             self.factors[chosen],
