@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from vtbench.exporting.write import METADATA_KEY, NotExactError
 from vtbench.registry import unknown
+from vtbench.run.detection.learning import LEARNT
 from vtbench.run.detection.looking import frames_of, looks
 from vtbench.run.detection.methods import DETECTORS
 from vtbench.run.detection.thresholds import Fitted, fit
@@ -255,6 +256,7 @@ def _identity(
         "variant": variant,
         "modality": rule,
         "method": order.detector,
+        "learns": order.detector in LEARNT,
         "kind": order.kind,
         "threshold": {"rule": rule, "alarm_at_or_above": fitted.beta, "periods": trials.task.periods},
         "settling": fitted.detector.settling,

@@ -10,7 +10,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -57,6 +57,7 @@ def _work(folder: Path, job: dict[str, Any], held: dict[str, str]) -> None:
     import onnx  # noqa: F401  # loaded before files close
     import onnxruntime
 
+    from vtbench.onnx_eval import stream
     from vtbench.onnx_eval.batches import Inputs, run_all, time_calls
     from vtbench.onnx_eval.contract import Contract, Port, breaches
     from vtbench.onnx_eval.inspect_graph import read
@@ -76,16 +77,19 @@ def _work(folder: Path, job: dict[str, Any], held: dict[str, str]) -> None:
         graph, refused = read(content)
     except ValueError as error:
         raise _ModelError("contract", str(error)) from None
-    problems = refused + breaches(contract, graph.inputs, graph.outputs)
+    streamed = stream.is_stream(graph.inputs)
+    problems = refused + (stream.breaches if streamed else breaches)(contract, graph.inputs, graph.outputs)
     if problems:
         raise _ModelError("contract", "; ".join(problems))
-    names = [port.name for port in graph.inputs]
-    _stage("loading the model", inputs=names, parameters=graph.parameters, nodes=graph.nodes)
+    names = [stream.SERIES] if streamed else [port.name for port in graph.inputs]
+    _stage("loading the model", inputs=names, parameters=graph.parameters, nodes=graph.nodes, fitted_on=graph.fitted_on)
     if not job["batches"]:
         return
     started = time.perf_counter()
-    call = _load(content, job["output"]["name"])
+    run = _load(content)
     del content
+    output = job["output"]["name"]
+    call = stream.over_sequences(run, graph.inputs) if streamed else lambda given: run([output], given)[0]
     _stage("predicting", load_s=time.perf_counter() - started)
 
     width = job["output"]["width"]
@@ -112,8 +116,8 @@ def _work(folder: Path, job: dict[str, Any], held: dict[str, str]) -> None:
     _stage("done", peak_rss_mb=_peak_mb(memory))
 
 
-def _load(content: bytes, output: str) -> Callable[[dict[str, Any]], Any]:
-    """The model as a function of its inputs; ONNX Runtime on one thread, with what it throws in plain words."""
+def _load(content: bytes) -> Callable[[list[str], Mapping[str, Any]], list[Any]]:
+    """The model as a function of output names and inputs; ONNX Runtime on one thread, what it throws in plain words."""
     import onnxruntime
 
     options = onnxruntime.SessionOptions()
@@ -124,13 +128,13 @@ def _load(content: bytes, output: str) -> Callable[[dict[str, Any]], Any]:
     except Exception as error:
         raise _plain("load", error) from None
 
-    def call(inputs: dict[str, Any]) -> Any:
+    def run(outputs: list[str], inputs: Mapping[str, Any]) -> list[Any]:
         try:
-            return session.run([output], inputs)[0]
+            return list(session.run(outputs, inputs))
         except Exception as error:
             raise _plain("run", error) from None
 
-    return call
+    return run
 
 
 def _plain(kind: str, error: Exception) -> _ModelError:

@@ -61,8 +61,8 @@ def breaches(contract: Contract, inputs: Sequence[Port], outputs: Sequence[Port]
 
 
 def _unknown_input(port: Port, offered: Mapping[str, Port]) -> str:
-    if port.name.startswith("state_"):
-        return f"input {port.name!r}: a stream graph carries states; export the graph of whole sequences instead"
+    if port.name in ("frames", "frame_samples"):
+        return f"input {port.name!r}: models are offered no frames of slip trials; export a detector of forces alone"
     near = close_matches(port.name, offered)
     way = f"rename it to {near[0]!r}" if near else "rename it or make it a constant of the graph"
     return f"input {port.name!r}: expected names among {', '.join(offered)}; {way}"

@@ -89,7 +89,7 @@ def _run(content: bytes, tested: Tested, limits: Limits, course: _Course) -> Non
     if judged.reason:
         course.state, course.reason = "failed", judged.reason
         return
-    course.doubts = judged.doubts
+    course.doubts = (*judged.doubts, *tested.seen_in_fitting(look.told.fitted_on))
     course.timing = _timing(answer, tested, offer)
     try:
         course.predictions, course.metrics = tested.score(_in_place(judged, order), _us(answer, tested, offer))

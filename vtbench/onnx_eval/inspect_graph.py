@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,17 +13,20 @@ from vtbench.onnx_eval.contract import Axis, Port
 
 DOMAINS = ("", "ai.onnx", "ai.onnx.ml")
 """Operators of the standard; every other domain needs code that is not in the file."""
+EXPORT_KEY = "vtbench"
 _SHOWN = 40
+_MOST_METADATA = 100_000
 
 
 @dataclass(frozen=True)
 class Graph:
-    """Inputs without those that have a default, outputs, and sizes."""
+    """Inputs without those that have a default, outputs, sizes, and what the file says that it was fitted on."""
 
     inputs: tuple[Port, ...]
     outputs: tuple[Port, ...]
     parameters: int
     nodes: int
+    fitted_on: dict[str, str]
 
 
 def read(content: bytes) -> tuple[Graph, list[str]]:
@@ -52,8 +56,26 @@ def read(content: bytes) -> tuple[Graph, list[str]]:
         tuple(_port(value) for value in model.graph.output),
         sum(_size(tensor) for tensor in model.graph.initializer),
         len(nodes),
+        _fitted_on(model),
     )
     return graph, refused
+
+
+def _fitted_on(model: Any) -> dict[str, str]:
+    """Dataset, variant, split, fold and seed, as `vtbench export` writes them; empty without, or for nonsense."""
+    for entry in model.metadata_props:
+        if entry.key != EXPORT_KEY or len(entry.value) > _MOST_METADATA:
+            continue
+        try:
+            said = json.loads(entry.value)
+            if said.get("learns") is False:
+                return {}
+            found = {name: said[name] for name in ("dataset_hash", "variant", "split")}
+            found |= {name: said["fit"][name] for name in ("fold", "seed")}
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+            return {}
+        return {name: shown(str(value)) if name != "dataset_hash" else str(value)[:64] for name, value in found.items()}
+    return {}
 
 
 def shown(text: str) -> str:

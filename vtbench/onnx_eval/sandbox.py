@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +54,7 @@ class Told(BaseModel):
     peak_rss_mb: float | None = Field(default=None, ge=0)
     runtime: str = Field(default="", max_length=60)
     protections: dict[str, str] = Field(default_factory=dict, max_length=12)
+    fitted_on: dict[str, Annotated[str, Field(max_length=64)]] = Field(default_factory=dict, max_length=5)
 
 
 @dataclass

@@ -112,6 +112,21 @@ class Tested:
         metrics = score_slips(predictions, self.data, self.task)
         return predictions, tuple(metric for metric in metrics if metric.name != "stream_us")
 
+    def seen_in_fitting(self, fitted_on: Mapping[str, str]) -> list[str]:
+        """Why a model saw answers of this test when it was fitted, by what it says of itself.
+
+        `vtbench export` writes `dataset_hash`, `variant`, `split`, `fold` and `seed`; a silent file is believed.
+        """
+        if fitted_on.get("dataset_hash") != self.dataset_hash:
+            return []
+        tested = {"variant": self.variant, "split": self.split.name, "fold": self.fold, "seed": str(self.seed)}
+        if all(fitted_on.get(name) == value for name, value in tested.items()):
+            return []
+        if fitted_on.get("fold") == "all":
+            return ["it says that it was fitted on all of these recordings; test it on others, or on a hidden set"]
+        where = [f"--{name} {fitted_on[name]}" for name in tested if name in fitted_on]
+        return [f"it says that it was fitted on some of these recordings; test it on the rest: {' '.join(where)}"]
+
     def doubts(self, claimed: float | None, metrics: tuple[Metric, ...]) -> list[str]:
         """A claim that the interval of what was measured does not hold."""
         if claimed is None or not metrics or metrics[0].low is None or metrics[0].high is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -99,17 +99,33 @@ def _entry(folder: Path, number: int, entry: SubmissionEntry, limits: Limits) ->
     if isinstance(path, str):
         yield Problem("S006", path, "put the file there and name it relative to the folder", number)
         return
-    size = path.stat().st_size
-    if size > LARGEST_MODEL_MB * 2**20:
-        found = f"expected {LARGEST_MODEL_MB} MB at most, found {size >> 20} MB"
-        yield Problem("S007", found, "store weights in fewer bits, or leave out what is not used", number)
-        return
     task = TASKS.get(entry.task)
-    if entry.predictions is not None:
+    if entry.predictions is None:
+        yield from _model(path, task, limits, number)
+    elif not (yield from _size(path, number)):
         try:
             read_predictions_file(path)
         except ValueError as error:
             yield Problem("S009", str(error), "correct the file", number)
+
+
+def check_model(path: Path, task_id: str, limits: Limits = LOOK) -> Checked:
+    """Check one model by itself against the contract of a task; it is looked into in the sandbox, and not run."""
+    return Checked(path, None, tuple(_model(path, TASKS.get(task_id), limits, None)))
+
+
+def _size(path: Path, number: int | None) -> Generator[Problem, None, bool]:
+    """A problem for a file that is too large; returns whether it is."""
+    size = path.stat().st_size
+    if size > LARGEST_MODEL_MB * 2**20:
+        found = f"expected {LARGEST_MODEL_MB} MB at most, found {size >> 20} MB"
+        yield Problem("S007", found, "store weights in fewer bits, or leave out what is not used", number)
+        return True
+    return False
+
+
+def _model(path: Path, task: Task, limits: Limits, number: int | None) -> Iterator[Problem]:
+    if (yield from _size(path, number)):
         return
     with private_folder(path.read_bytes()) as place:
         answer = run(place, general_contract(task), Job(), limits)
