@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ from sensors.slide.membrane import InPlaneSkin
 from sensors.slide.path import Path
 from sensors.slide.recording import GROSS, PARTIAL, STICK
 from sensors.slide.scene import Friction
-from sensors.slide.track import Cells
+from sensors.slide.track import Cells, Track
 
 Array = NDArray[np.float64]
 
@@ -24,16 +25,21 @@ _BREAK = 1 - np.exp(-1)
 """Utilisation at which an element counts as loose: a Coulomb element of the same stiffness breaks at this distance."""
 
 
+BLOCK = 2000
+"""Samples integrated at a time: what each cell carries is held for no more, however long the trial."""
+
+
 @dataclass(frozen=True)
 class Drag:
-    """History (t, ...) of the integrated samples.
+    """History (t, ...) of integrated samples.
 
-    skin_shift (t, 2; m), load and shear of each cell (t, n) and (t, n, 2; N), slip (t,; m, mean over the load),
-    slip_share (t,; of the load), stick_ratio (t,; of the area in contact).
+    skin_shift (t, 2; m), exchanged (t, n; N) what each cell carries beyond the smooth contact, shear of each cell
+    (t, n, 2; N), slip (t,; m, mean over the load), slip_share (t,; of the load), stick_ratio (t,; of the area in
+    contact).
     """
 
     skin_shift: Array
-    load: Array
+    exchanged: Array
     shear: Array
     slip: Array
     slip_share: Array
@@ -50,33 +56,47 @@ def weave_stiffness(friction: Friction, film: LayerMaterial | None) -> float:
 
 
 def drag(
-    patch: SkinPatch, friction: Friction, cells: Cells, path: Path, travel: Array, load: Array, crowns: Crowns | None
-) -> Drag:
-    """Integrate the skin under `travel` (t,) and smooth cell loads `load` (t, n); starts at rest and unstrained."""
-    samples, elements = load.shape
+    patch: SkinPatch,
+    friction: Friction,
+    track: Track,
+    path: Path,
+    travel: Array,
+    load: Array,
+    crowns: Crowns | None,
+    block: int = BLOCK,
+) -> Iterator[Drag]:
+    """Integrate the skin under `travel` (t,) and `load` (t,; N) along a track; starts at rest and unstrained.
+
+    Gives the history `block` samples at a time; where a block ends has no bearing on the figures.
+    """
+    cells, samples, elements = track.cells, len(travel), len(track.cells.area)
     dt = 1 / FORCE_RATE_HZ
     rate = np.gradient(travel) / dt if samples > 1 else np.zeros(samples)
     state = PatchState.at_rest(elements)
     watch = _SlipWatch(friction, elements)
-    shift, shear, carried = np.zeros((samples, 2)), np.zeros((samples, elements, 2)), np.empty((samples, elements))
-    slip, slip_share, stick_ratio = np.zeros(samples), np.zeros(samples), np.ones(samples)
     drive = _drive(path, cells, float(travel[0]), float(rate[0]))
-    for i in range(samples):
-        carried[i] = load[i] if crowns is None else crowns.exchange(load[i], state.slip)
-        if i == 0:
-            continue
-        next_drive = _drive(path, cells, float(travel[i]), float(rate[i]))
-        before, state = state, patch.advance(state, drive, next_drive, carried[i], dt)
-        drive = next_drive
-        share = carried[i] / max(float(carried[i].sum()), 1e-12)
-        speed = _length(state.slip - before.slip) / dt
-        loose = watch.see(i, speed, patch.utilisation(state, drive, carried[i]))
-        slip_share[i] = share @ loose
-        touched = cells.area * (carried[i] > 0)
-        stick_ratio[i] = 1 - touched @ loose / max(float(touched.sum()), 1e-12)
-        slip[i] = share @ _length(state.slip)
-        shift[i], shear[i] = state.displacement, state.force
-    return Drag(shift, carried, shear, slip, slip_share, stick_ratio)
+    for first in range(0, samples, block):
+        smooth = track.cell_load(travel[first : first + block], load[first : first + block])
+        count = len(smooth)
+        shift, shear, exchanged = np.zeros((count, 2)), np.zeros((count, elements, 2)), np.empty((count, elements))
+        slip, slip_share, stick_ratio = np.zeros(count), np.zeros(count), np.ones(count)
+        for at, i in enumerate(range(first, first + count)):
+            carried = smooth[at] if crowns is None else crowns.exchange(smooth[at], state.slip)
+            exchanged[at] = carried - smooth[at]
+            if i == 0:
+                continue
+            next_drive = _drive(path, cells, float(travel[i]), float(rate[i]))
+            before, state = state, patch.advance(state, drive, next_drive, carried, dt)
+            drive = next_drive
+            share = carried / max(float(carried.sum()), 1e-12)
+            speed = _length(state.slip - before.slip) / dt
+            loose = watch.see(i, speed, patch.utilisation(state, drive, carried))
+            slip_share[at] = share @ loose
+            touched = cells.area * (carried > 0)
+            stick_ratio[at] = 1 - touched @ loose / max(float(touched.sum()), 1e-12)
+            slip[at] = share @ _length(state.slip)
+            shift[at], shear[at] = state.displacement, state.force
+        yield Drag(shift, exchanged, shear, slip, slip_share, stick_ratio)
 
 
 def slip_states(friction: Friction, slip_share: Array) -> NDArray[np.uint8]:

@@ -74,7 +74,7 @@ class Sheared:
         share = load / np.maximum(load.sum(axis=1, keepdims=True), 1e-12)
         return Drag(
             self._every_sample(self.shift),
-            carried,
+            carried - load,
             self._every_sample(self.pull),
             (share * np.hypot(slip[..., 0], slip[..., 1])).sum(axis=1),
             self._on_the_way(self.slip_share),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -63,24 +64,24 @@ def simulate_slide(
     first, last = _window(script)
     travel, load = script.travel[first:last], script.load[first:last]
     crowns = Crowns.draw(track.cells.area, placed.body.crown_contrast, Canvas().thread_pitch_m, surface_rng)
-    smooth = track.cell_load(travel, load)
     riding = crowns if scene.effects.crowns else None
     sheared = None
     if scene.effects.partial_slip:
+        smooth = track.cell_load(travel, load)
         sheared = shear_film(placed, scene.friction, track.cells, travel, load, smooth, grip, presliding)
-        history = sheared.drag(smooth, riding)
+        pieces: Iterable[Drag] = [sheared.drag(smooth, riding)]
     else:
         patch = skin_patch(scene.friction, film_beside, skin, track.cells, grip)
-        history = drag(patch, scene.friction, track.cells, placed.path, travel, smooth, riding)
+        pieces = drag(patch, scene.friction, track, placed.path, travel, load, riding)
+    history = _history(scene, unit, placed.path, track, pieces, travel)
 
     # samples before and after the window repeat its ends
     at = np.clip(np.arange(len(script.load)) - first, 0, last - first - 1)
     shift = history.skin_shift[at]
-    change = _contact_change(scene, unit, placed.path, track, history, smooth, travel)
     relative_load = script.load / np.maximum(load[at], 1e-9)
     # the base of a film on a plate stays where it is
     over = script.travel if film_beside is None else _travel_over_skin(placed.path, script, shift)
-    taxels = track.taxel_load(over, script.load) + (change[at] * relative_load[:, None])
+    taxels = track.taxel_load(over, script.load) + (history.taxel_change[at] * relative_load[:, None])
     state = slip_states(scene.friction, history.slip_share)[at]
     state[: first + 1] = state[last:] = STICK
     onset = np.flatnonzero(state == GROSS)
@@ -141,20 +142,43 @@ def _travel_over_skin(path: Path, script: Script, shift: Array) -> Array:
     return script.travel - shift @ np.array([np.cos(path.direction), np.sin(path.direction)])
 
 
-def _contact_change(
-    scene: SlipScene, unit: FVSightUnit, path: Path, track: Track, history: Drag, smooth: Array, travel: Array
-) -> Array:
-    """Change (t, 16) of the taxel loads (N) by exchange between crowns and by shear."""
-    if not (scene.effects.crowns or scene.effects.shear_moment):
-        return np.zeros((len(travel), 16))
-    footprint = Footprint.of(unit.skin.film, unit.grid.size_m, CELL_M)
-    place = path.to_sensor(track.cells.place, travel) - history.skin_shift[:, None]
-    shear = history.shear if scene.effects.shear_moment else 0 * history.shear
-    return footprint.taxel_change(place, history.load - smooth, shear)
+@dataclass(frozen=True)
+class _History:
+    """What a trial keeps of its drag, the cells summed up.
+
+    skin_shift (t, 2; m), shear_force (t, 2; N), slip (t,; m), slip_share and stick_ratio (t,), and taxel_change
+    (t, 16; N), the change of the taxel loads by exchange between crowns and by shear.
+    """
+
+    skin_shift: Array
+    shear_force: Array
+    slip: Array
+    slip_share: Array
+    stick_ratio: Array
+    taxel_change: Array
+
+
+def _history(
+    scene: SlipScene, unit: FVSightUnit, path: Path, track: Track, pieces: Iterable[Drag], travel: Array
+) -> _History:
+    felt = scene.effects.crowns or scene.effects.shear_moment
+    footprint = Footprint.of(unit.skin.film, unit.grid.size_m, CELL_M) if felt else None
+    kept, first = [], 0
+    for piece in pieces:
+        along = travel[first : first + len(piece.slip)]
+        first += len(along)
+        change = np.zeros((len(along), 16))
+        if footprint is not None:
+            place = path.to_sensor(track.cells.place, along) - piece.skin_shift[:, None]
+            shear = piece.shear if scene.effects.shear_moment else 0 * piece.shear
+            change = footprint.taxel_change(place, piece.exchanged, shear)
+        pull = piece.shear.sum(axis=1)
+        kept.append((piece.skin_shift, pull, piece.slip, piece.slip_share, piece.stick_ratio, change))
+    return _History(*(np.concatenate(parts) for parts in zip(*kept, strict=True)))
 
 
 def _truth(
-    names: tuple[str, ...], taxels: Array, history: Drag, at: NDArray[np.intp], path: Path, script: Script
+    names: tuple[str, ...], taxels: Array, history: _History, at: NDArray[np.intp], path: Path, script: Script
 ) -> Mapping[str, NDArray[Any]]:
     def field(name: str) -> NDArray[Any]:
         if name == "pose":
@@ -162,7 +186,7 @@ def _truth(
         if name == "taxel_load":
             return taxels.astype(np.float32)
         if name == "shear_force":
-            return history.shear.sum(axis=1)[at].astype(np.float32)
+            return history.shear_force[at].astype(np.float32)
         values = {
             "slip_distance": history.slip,
             "slip_share": history.slip_share,

@@ -5,7 +5,7 @@ import pytest
 
 from sensors.fvsight import fvsight_unit
 from sensors.slide import GROSS, KINDS, PARTIAL, SLIDE_TRUTH, SLIPPING, STICK, SlipScene, simulate_slide
-from sensors.slide.drag import presliding_distance, skin_patch
+from sensors.slide.drag import BLOCK, drag, presliding_distance, skin_patch
 from sensors.slide.membrane import in_plane_skin
 from sensors.slide.path import Path
 from sensors.slide.shapes import body
@@ -32,6 +32,28 @@ FULL = SlipScene(id="t", title="t", protocol={"kinds": KINDS}, motion=SHORT)
 @pytest.fixture(scope="module")
 def smooth():
     return [simulate_slide(SMOOTH, index, 0, truth=SLIDE_TRUTH) for index in range(3)]
+
+
+@pytest.mark.parametrize("kind", ["arm_vibration", "rotation"])
+def test_a_long_trial_is_integrated_in_blocks_that_leave_no_trace(monkeypatch, kind):
+    """What each cell carries is held for one block at a time; the trial does not tell where one ended."""
+    lengths = []
+
+    def in_blocks(*arguments):
+        for piece in drag(*arguments, block=97):
+            lengths.append(len(piece.shear))
+            yield piece
+
+    index = next(index for index in range(len(KINDS) * 3) if FULL.plan(index).kind == kind)
+    whole = simulate_slide(FULL, index, 0, truth=SLIDE_TRUTH)
+    monkeypatch.setattr("sensors.slide.simulate.drag", in_blocks)
+    blocked = simulate_slide(FULL, index, 0, truth=SLIDE_TRUTH)
+    assert len(lengths) > 3
+    assert max(lengths) == 97 < BLOCK
+    np.testing.assert_array_equal(whole.force_series, blocked.force_series)
+    np.testing.assert_array_equal(whole.state, blocked.state)
+    for name in SLIDE_TRUTH:
+        np.testing.assert_array_equal(whole.truth[name], blocked.truth[name], err_msg=name)
 
 
 def test_nothing_moves_before_the_motion_and_after_it_has_rung_down(smooth):
