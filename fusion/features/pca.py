@@ -8,13 +8,13 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, TransformerMixin
-from sklearn.decomposition import PCA
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fusion.arrays import FloatArray
 from fusion.modality import modality_columns
 
 WHOLE = "all"
+DOUBTFUL = 1e-4  # of the largest singular value: below, squares have lost too many digits
 
 
 class ModalityPCA(TransformerMixin, BaseEstimator):  # type: ignore[misc]
@@ -120,4 +120,23 @@ class _Part:
 
 
 def _principal_axes(standard: FloatArray, count: int) -> FloatArray:
-    return np.asarray(PCA(count, svd_solver="full").fit(standard).components_, dtype=np.float64)
+    """First `count` principal axes of rows (n, d), in order, their largest entries positive: (count, d).
+
+    From the eigenvectors of the smaller of the two squared matrices, a quarter of the work of decomposing the
+    rows but blind to singular values below 1e-8 of the largest, and from them one step with the rows themselves.
+    Where an axis to be kept has a singular value below `DOUBTFUL`, the rows are decomposed after all.
+    """
+    from scipy.linalg import eigh
+
+    standard = standard - standard.mean(axis=0)  # the mean of large numbers is known to their rounding alone
+    n, d = standard.shape
+    square = standard.T @ standard if d < n else standard @ standard.T
+    size = len(square)
+    values, vectors = eigh(square, subset_by_index=[size - count, size - 1], overwrite_a=True, check_finite=False)
+    if values[0] <= DOUBTFUL**2 * values[-1]:
+        axes = np.linalg.svd(standard, full_matrices=False)[2][:count]
+    else:
+        inside = np.linalg.qr(standard.T @ (standard @ vectors if d < n else vectors))[0]
+        axes = np.linalg.svd(standard @ inside, full_matrices=False)[2] @ inside.T
+    largest = axes[np.arange(count), np.argmax(np.abs(axes), axis=1)]
+    return np.asarray(axes * np.sign(largest)[:, None])

@@ -7,6 +7,7 @@ from sklearn.preprocessing import StandardScaler
 
 from fusion import JKSC
 from fusion.features import ModalityPCA
+from fusion.features.pca import DOUBTFUL, _principal_axes
 
 GROUPS = {"image": slice(0, 20), "force": slice(20, 26)}
 RNG = np.random.default_rng(0)
@@ -28,6 +29,45 @@ def test_each_group_is_standardised_reduced_and_scaled_to_mean_squared_norm_one(
     np.testing.assert_allclose(out[:, :5], expected / np.sqrt(energy(expected)), atol=1e-10)
     for columns in model.output_groups_.values():
         assert energy(out[:, columns]) == pytest.approx(1.0)
+
+
+def rows_with(singular_values, n, d, seed=1):
+    """Centred rows (n, d) of given singular values."""
+    rng = np.random.default_rng(seed)
+    rank = len(singular_values)
+    left = np.linalg.qr(np.column_stack([np.ones(n), rng.normal(size=(n, rank))]))[0][:, 1:]
+    return left * singular_values @ np.linalg.qr(rng.normal(size=(d, rank)))[0].T
+
+
+@pytest.mark.parametrize(("n", "d"), [(30, 700), (400, 25), (60, 60)])
+@pytest.mark.parametrize(
+    "values",
+    [np.geomspace(1e3, 1e2, 20), np.geomspace(1, 3 * DOUBTFUL, 20), np.geomspace(1e-3, 1e-12, 20)],
+    ids=["usual", "above the limit", "below it"],
+)
+def test_axes_are_those_of_the_decomposed_rows(n, d, values):
+    rows = rows_with(values, n, d)
+    axes, expected = _principal_axes(rows, 12), PCA(12, svd_solver="full").fit(rows).components_
+    np.testing.assert_allclose(axes, expected, atol=1e-11 if values[11] > DOUBTFUL * values[0] else 1e-8)
+    np.testing.assert_allclose(axes @ axes.T, np.eye(12), atol=1e-13)
+
+
+@pytest.mark.parametrize(("n", "d"), [(30, 700), (400, 25)])
+def test_equal_singular_values_span_the_same_space(n, d):
+    rows = rows_with(np.array([3, 2, 2, 2 - 1e-13, 1, 1 - 1e-9, 0.5, 0.1, 0.1, 0.1]), n, d)
+    axes, expected = _principal_axes(rows, 6), PCA(6, svd_solver="full").fit(rows).components_
+    np.testing.assert_allclose(axes.T @ axes, expected.T @ expected, atol=1e-13)
+    np.testing.assert_allclose(np.linalg.norm(rows @ axes.T, axis=0), [3, 2, 2, 2, 1, 1], rtol=1e-8)
+
+
+def test_single_precision_and_constant_columns_reduce_as_decomposed_rows_do():
+    many = (RNG.normal(size=(40, 6)) @ RNG.normal(size=(6, 900)) + 0.1 * RNG.normal(size=(40, 900)) + 50).astype("f4")
+    many[:, ::7] = 3.3
+    varied = np.delete(many, np.s_[::7], axis=1).astype(float)
+    pca = PCA(8, svd_solver="full").fit(StandardScaler().fit_transform(varied))
+    expected = pca.transform(StandardScaler().fit_transform(varied))
+    out = ModalityPCA(n_components=8).fit(many).transform(many)
+    np.testing.assert_allclose(np.abs(out), np.abs(expected) / np.sqrt(energy(expected)), atol=1e-11)
 
 
 def test_weights_multiply_the_scaled_groups():
