@@ -130,6 +130,16 @@ def test_every_sample_may_be_fitted_and_the_file_says_so(export):
     assert report["checked_on"] == "the samples it was fitted on"
 
 
+@pytest.mark.parametrize(
+    "name", ["discriminant_analysis:LinearDiscriminantAnalysis", "linear_model:LogisticRegression"]
+)
+def test_a_classifier_of_scikit_learn_is_held_to_its_probabilities(export, name):
+    """It has a decision function too, which is not what skl2onnx writes."""
+    (report,) = json.loads(export(f"sklearn.{name}", "force", "--json").out)["exported"]
+    assert report["parity"]["agreement"] == 1.0
+    assert report["parity"]["relative_difference"] < 1e-3
+
+
 def test_all_writes_a_file_for_each_method_and_reports_what_it_could_not(vtbench, presses, kept, tmp_path):
     words = ("--data", presses, "--variant", "own", "--modality", "force", "--features", kept)
     answer = vtbench("export", TASK, "--all", *words, "-o", tmp_path / "made", "--json")

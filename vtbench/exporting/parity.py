@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fusion.onnx import EXPORTERS, class_path
+
 if TYPE_CHECKING:
     from vtbench.onnx_eval.offers import Offer
     from vtbench.run.methods.base import Classifier
@@ -74,14 +76,20 @@ def reference(classifier: Classifier, x: NDArray[Any]) -> tuple[NDArray[np.int64
     known = np.asarray(classifier.classes_)  # type: ignore[attr-defined]
     place = np.searchsorted(known, classifier.predict(x))
     score = getattr(classifier, "decision_function", None) or classifier.predict_proba  # type: ignore[attr-defined]
-    if type(classifier).__module__.startswith("sklearn.linear_model") and hasattr(classifier, "predict_proba"):
-        score = classifier.predict_proba  # skl2onnx answers probabilities
+    if _through_skl2onnx(classifier) and hasattr(classifier, "predict_proba"):
+        score = classifier.predict_proba  # which is what skl2onnx answers
     scores = np.array(score(x), np.float64)
     if scores.ndim == 1:
         scores = np.stack([-0.5 * scores, 0.5 * scores], 1)
     rows = np.arange(len(scores))
     scores[rows, place] = scores.max(1)
     return place, scores
+
+
+def _through_skl2onnx(classifier: Any) -> bool:
+    """Whether the last step of a pipeline, or the classifier itself, is scikit-learn's and has no exporter of ours."""
+    last = classifier.steps[-1][1] if hasattr(classifier, "steps") else classifier
+    return class_path(last).startswith("sklearn.") and class_path(last) not in EXPORTERS
 
 
 def measure(content: bytes, offer: Offer, rows: NDArray[np.int64], classifier: Classifier, x: NDArray[Any]) -> Parity:
