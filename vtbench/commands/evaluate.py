@@ -27,9 +27,10 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         about="The model runs in a process of its own: limits on time and memory, no network, no file to open or write "
         "where\nthe kernel allows it; the record says what held. Inputs by name: image, image_rest (N, H, W, 3) uint8, "
         "force\n(N, taxels) float32 newtons, force_series (N, T, taxels); output scores (N, classes), of a slip task "
-        "slip_score (N, T).\nA model takes those inputs that it wants. A slip graph of one sample (force (1, taxels) and "
-        "state_*) is run over whole\ntrials, tens of microseconds a sample. A file of `vtbench export` that is tested on "
-        "what it was fitted on is flagged.\nExits with 1 when the model failed or is flagged, with the reason in its record.",
+        "slip_score (N, T).\nA model takes those inputs that it wants. A slip graph of one sample (force (1, taxels) "
+        "and state_*) is run over whole\ntrials, tens of microseconds a sample. A file of `vtbench export` that is "
+        "tested on what it was fitted on is flagged.\nExits with 1 when the model failed or is flagged, with the "
+        "reason in its record.",
         examples=(
             "vtbench evaluate net.onnx --task objects/deep/v1 --data out/quick/datasets/paper -o out/theirs",
             "vtbench evaluate net.onnx --task objects/deep/v1 --variant hard --hidden-seed new -o out/theirs",

@@ -65,8 +65,8 @@ def add(commands: _SubParsersAction[Parser]) -> None:
     parser.add_argument(
         "--all",
         action="store_true",
-        help="every method and modality of the task into a folder (nets where --modality names a feed of pixels); files "
-        "made before by the same order are kept",
+        help="every method and modality of the task into a folder (nets where --modality names a feed of pixels); "
+        "files made before by the same order are kept",
     )
     parser.add_argument("--fresh", action="store_true", help="with --all: make every file again")
     parser.add_argument("--stream", action="store_true", help="a slip detector as a graph of one sample with states")
