@@ -102,13 +102,15 @@ def speed_table(cells: pd.DataFrame, better: Better = frozenset()) -> pd.DataFra
 def dominant(row: Row, rows: Iterable[Row], better: Better, time: str) -> str:
     """Return the key of the best of `rows` that is faster than `row` and surely better, or nothing.
 
-    Where a time has an interval, the intervals must not touch.
+    Where a time has an interval, the intervals must not touch; one taken apart and one taken during the run do not
+    compare.
     """
     low = row["predict_low_us"] if time == "predict_us" and row["predict_low_us"] else row[time]
     found = [
         other
         for other in rows
         if (other["key"], row["key"]) in better
+        and (other["predict_low_us"] is None) == (row["predict_low_us"] is None)
         and (other["predict_high_us"] if time == "predict_us" and other["predict_high_us"] else other[time]) < low
     ]
     return str(min(found, key=lambda other: other["error"])["key"]) if found else ""

@@ -37,6 +37,12 @@ def result_notes(table: ResultTable, rows: list[Row], machines: Machines) -> tup
     if len(table.fingerprints) > 1:
         letters = ", ".join(machines[f] for f in table.fingerprints)
         notes.append(f"Speeds were taken on different machines ({letters}) and do not compare.")
+    timed = [row["predict_low_us"] is not None for row in rows if row["predict_us"] is not None]
+    if len(set(timed)) > 1:
+        notes.append(
+            f"Speeds do not compare: {sum(timed)} of {len(timed)} were taken apart by `vtbench time`, a sample a call, "
+            "the others during the run, in batches."
+        )
     notes.append(f"Dataset {table.dataset}, content {table.dataset_hash[:12]}; protocol {table.protocol_version}.")
     return tuple(notes)
 

@@ -16,6 +16,7 @@ from leaderboard.paper import FIGURES, PaperFigure
 BLOCK = ["task", "protocol_version", "variant", "kind", "dataset", "dataset_hash"]
 RESULT = ("low", "high", "interval", "coverage", "probe", "rank_best", "rank_worst", "letters", "ranked", "n", "groups")
 STATE = ("state", "reason", "key")
+COST = ("predict_us", "predict_low_us", "feature_us", "fingerprint")
 PAPER_SPLITS = ("random", "held-out-unit")
 
 
@@ -25,8 +26,8 @@ class ResultTable:
 
     `frame` has a row for each modality and method: role, modality, method; for each split `S` of `splits` the value
     `S` and `S_low`, `S_high`, `S_interval`, `S_n`, `S_groups`, `S_state`, `S_reason`, `S_key`; then predict_us,
-    feature_us and fingerprint of the first split that was timed. Where `paper_table` is set ("II", "III") it also
-    has paper, paper_low, paper_high (percent) and paper_note.
+    predict_low_us, feature_us and fingerprint of the first split that was timed. Where `paper_table` is set ("II",
+    "III") it also has paper, paper_low, paper_high (percent) and paper_note.
     `S_rank_best`, `S_rank_worst` and `S_letters` say which ranks a score may hold among those of the table, `S_probe`
     and `S_coverage` what must be said of it. `apart` is "self-reported" or "flagged" where it holds such submissions.
     `superseded` counts records left out because a later one differs only in parameters, seed or machine. `label` names
@@ -103,13 +104,13 @@ def _result_table(block: list[Any], rows: pd.DataFrame, figures: tuple[PaperFigu
         line |= {f"{row['split']}_{name}": row[name] for name in (*RESULT, *STATE)}
         line |= {name: row[name] for name in ("standing", "submission")}
         if line.get("predict_us") is None:
-            line |= {name: row[name] for name in ("predict_us", "feature_us", "fingerprint")}
+            line |= {name: row[name] for name in COST}
     _set_paper(lines, figures)
     ordered = sorted(lines.items(), key=lambda item: _row_order(*item[0]))
     names = [f"{split}{suffix}" for split in splits for suffix in ("", *(f"_{name}" for name in (*RESULT, *STATE)))]
     columns = ["role", "modality", "method", "standing", "submission"]
     columns += ["paper", "paper_low", "paper_high", "paper_note"] if figures else []
-    columns += [*names, "predict_us", "feature_us", "fingerprint"]
+    columns += [*names, *COST]
     frame = pd.DataFrame(
         [{"role": key[0], "modality": key[1], "method": key[2], **line} for key, line in ordered], columns=columns
     )

@@ -133,13 +133,20 @@ def compare_pairs(
 
 
 def cost_ratio(a: Record, b: Record) -> tuple[float | None, str]:
-    """Return time a sample of `a` over that of `b`, or None and why not: no timing, or different machines."""
+    """Return time a sample of `a` over that of `b`, or None and why not: no timing, different machines or ways."""
     if a.provenance.fingerprint != b.provenance.fingerprint:
         return None, "different machines"
     costs = [_cost(record) for record in (a, b)]
     if costs[0] is None or not costs[1]:
         return None, "not timed"
+    if measured(a) != measured(b):
+        return None, "timed in two ways"
     return costs[0] / costs[1], ""
+
+
+def measured(record: Record) -> bool:
+    """Whether the time was taken apart, a sample a call, with an interval, rather than in batches during the run."""
+    return record.timing is not None and record.timing.predict_low_us is not None
 
 
 def usable(records: Iterable[Record]) -> list[Record]:

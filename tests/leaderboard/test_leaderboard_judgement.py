@@ -17,6 +17,7 @@ from leaderboard.counterparts import rank_correlation
 from leaderboard.curves import front
 from leaderboard.frame import records_of
 from leaderboard.record import Record, read_predictions, write_record
+from leaderboard.sections import result_view
 from leaderboard.submission import Submission
 from leaderboard.tally import read_tallies, tally, write_tally
 from leaderboard.versus import between, compare_pairs, cost_ratio, unpaired, with_best, within
@@ -129,6 +130,27 @@ def test_a_model_without_a_score_is_not_called_verified(make_record: RecordFacto
     outcomes = re.findall(r'<summary>.*badge (\w+)">.*"(dim|bad)">', page)
     assert sorted(outcomes) == sorted([("verified", "dim")] * 2 + [("unverified", "bad")] * 3)
     assert page.count("unverified: a submission whose model gave no score here") == 3
+
+
+def test_times_taken_apart_and_during_the_run_do_not_compare(make_record: RecordFactory) -> None:
+    def taken(record: Record, us: float) -> Record:
+        assert record.timing is not None
+        times = {"predict_us_per_sample": us, "predict_low_us": 0.9 * us, "predict_high_us": 1.1 * us, "batch": 1}
+        return record.model_copy(update={"timing": record.timing.model_copy(update=times)})
+
+    best, worst = make_record(0.99, 0.98, 1.0, us=10.0), make_record(0.5, 0.45, 0.55, us=500.0, method="knn")
+    for pair, ratio in (
+        ((best, worst), 0.02),
+        ((taken(best, 20.0), taken(worst, 400.0)), 0.05),
+        ((taken(best, 20.0), worst), None),
+        ((best, taken(worst, 400.0)), None),
+    ):
+        assert cost_ratio(*pair) == ((pytest.approx(ratio), "") if ratio else (None, "timed in two ways"))
+        tables = board_tables(pair)
+        beaten = {row["method"]: row["dominated_by"] for row in records_of(tables.speed)}
+        assert beaten == {"svm": "", "knn": best.key if ratio else ""}
+        notes = " ".join(result_view(tables.papers[0], {}).notes)
+        assert ("1 of 2 were taken apart by `vtbench time`" in notes) is (ratio is None)
 
 
 def test_dominance_needs_less_time_and_intervals_that_separate(make_record: RecordFactory) -> None:

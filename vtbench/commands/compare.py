@@ -146,7 +146,7 @@ def _kept(records: list[Record], args: Namespace) -> list[Record]:
 
 def _print(rows: Sequence[Versus], margin: float) -> None:
     from leaderboard.caution import MARK
-    from leaderboard.versus import name_of
+    from leaderboard.versus import measured, name_of
 
     blocks: dict[tuple[str, str, str], list[Versus]] = {}
     for row in rows:
@@ -174,7 +174,10 @@ def _print(rows: Sequence[Versus], margin: float) -> None:
             print(f"  ⚠ {warning}")
         print()
     print(f"{count_text(len(rows), 'pair')}; verdicts Holm-adjusted by protocol, equivalent within {margin:g} points;")
-    print("time ratio: first over second, method and features, as timed during the run")
+    ways = {measured(row.first) for row in rows if row.cost_ratio is not None}
+    how = {True: "by `vtbench time`", False: "during the run"}
+    taken = " or ".join(how[way] for way in sorted(ways)) or "during the run"
+    print(f"time ratio: first over second, method and features, as timed {taken}")
 
 
 def _ratio(value: float) -> str:

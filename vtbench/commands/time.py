@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from vtbench.timing.subject import Subject
 
 PROCESSES = 10
+SUPPORTED = 6
+"""Processes from which on order statistics give a 95 % interval of the median."""
 
 
 def add(commands: _SubParsersAction[Parser]) -> None:
@@ -67,6 +69,8 @@ def run(args: Namespace) -> int:
         print_json({"machine": machine(), "fingerprint": fingerprint(), "rows": table, "control": control})
         return 0
     print_table(_HEAD, [_cells(row) for row in table])
+    if args.processes < SUPPORTED:
+        print(f"\nintervals of {args.processes} processes are their range and cover less than 95 %; {SUPPORTED} do")
     if control is not None:
         said = "alike" if control["alike"] else "NOT alike: something else ran, trust no difference of this size"
         ratio = f"{control['ratio']:.3f} ({control['low']:.3f} to {control['high']:.3f})"
