@@ -6,16 +6,20 @@ from collections.abc import Sequence
 
 from leaderboard.names import METHODS, MODALITIES, title
 from leaderboard.record import Metric, Record
+from leaderboard.sections import STANDINGS, standing_shown
 from leaderboard.slip_tables import BASELINE, BOTH_MISS, SlipBlock, compared, signed
 from leaderboard.slips import MISSED_MS, metric
-from leaderboard.views import NOT_RUN, Cell, breaks_of, microseconds, number, span
+from leaderboard.views import NOT_RUN, Cell, breaks_of, brief, microseconds, number, span
 
 
 def who_cells(record: Record) -> tuple[Cell, Cell]:
-    """Threshold rule and detector."""
-    method = record.identity.method
-    tone = "the baseline" if method == BASELINE else ""
-    return Cell(title(MODALITIES, record.identity.modality)), Cell(title(METHODS, method), tone)
+    """Threshold rule and detector; one that was handed in by its title and standing."""
+    method, given = record.identity.method, record.submission
+    rule = Cell(title(MODALITIES, record.identity.modality))
+    if given is not None:
+        standing = standing_shown(given.status, record.status.state == "ok")
+        return rule, Cell(brief(given.title, 60), badge=standing, hint=STANDINGS[standing])
+    return rule, Cell(title(METHODS, method), "the baseline" if method == BASELINE else "")
 
 
 def rule_breaks(records: Sequence[Record]) -> frozenset[int]:

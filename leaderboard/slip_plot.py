@@ -8,6 +8,7 @@ from markupsafe import Markup
 
 from leaderboard import svg
 from leaderboard.curves import front
+from leaderboard.frame import OWN
 from leaderboard.names import METHODS, MODALITIES, SPLITS, title
 from leaderboard.plots import BOTTOM, HEIGHT, LEFT, RIGHT, TOP, WIDTH, Figure, Strip, legend, stairs, style
 from leaderboard.record import Record
@@ -21,9 +22,9 @@ from leaderboard.views import microseconds
 def delay_figure(block: SlipBlock, split: str, name: str) -> Figure | None:
     """Median delay at each rate of false alarms against microseconds a sample; None without two points.
 
-    A detector that misses most slips stands on the upper edge of its panel.
+    A detector that misses most slips stands on the upper edge of its panel. Flagged submissions are not in it.
     """
-    records = [record for record in block.of(split) if metric(record, "batch_us")]
+    records = [record for record in block.of(split) if metric(record, "batch_us") and _competes(record)]
     if len(records) < 2:
         return None
     costs = [_value(record, "batch_us", None) for record in records]
@@ -74,3 +75,7 @@ def _panel(records: Sequence[Record], rate: float, x_range: tuple[float, float],
 def _value(record: Record, what: str, rate: float | None) -> float:
     found = metric(record, what, rate)
     return MISSED_MS if found is None else found.value
+
+
+def _competes(record: Record) -> bool:
+    return record.submission is None or record.submission.status in OWN

@@ -11,6 +11,7 @@ from leaderboard.slip_plot import delay_figure
 from leaderboard.slip_tables import metrics_frame, slip_blocks, verdicts
 from leaderboard.slip_views import slip_views, table_iv
 from leaderboard.slips import MISSED_MS
+from leaderboard.submission import Submission
 from leaderboard.text import console_table
 
 SHAPES = ("ball", "cuboid", "cylinder")
@@ -212,6 +213,23 @@ def test_the_front_of_delay_against_cost_holds_what_no_cheaper_detector_beats(sl
     missed = made("energy", 1.0, MISSED_MS)
     assert len(points(dear, missed, beaten)) == 4  # from beaten, which is cheaper, to dear
     assert points(missed, made("covariance", 5.0, MISSED_MS)) == []
+
+
+def test_a_detector_that_was_handed_in_has_its_title_and_standing_and_a_flagged_one_is_not_drawn(slip_record):
+    def given(status):
+        block = Submission(id=status, title=f"Net, {status}", status=status, reason="odd")
+        return slip_record(f"{status}@00000000", delay=1.0).model_copy(update={"submission": block})
+
+    trials = block(slip_record(), slip_record("energy"), given("verified"), given("flagged"))
+    (view, *_) = slip_views(trials)
+    assert {row[1].text: row[1].badge for row in view.rows} == {
+        "covariance": "",
+        "energy": "",
+        "Net, verified": "verified",
+        "Net, flagged": "flagged",
+    }
+    figure = delay_figure(trials, "held-out-object", "x")
+    assert [key.title for key in figure.legend] == ["covariance", "energy", "verified (00000000)"]
 
 
 def test_every_metric_is_in_the_csv_by_its_parts(slip_record):
