@@ -27,7 +27,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         run,
         help="score the contact models: error against speed",
         about="The rungs of the contact ladder against the hyperelastic pad (from the committed table; --neohookean "
-        "measures it\nagain, ten minutes), every model against closed forms with its cold and warm CPU time on one "
+        "measures it\nagain, twenty minutes), every model against closed forms with its cold and warm CPU time on one "
         "thread, and the\nhalf-space beside tamaas at equal error of the pressure, where that is installed "
         "(extra `peers`).",
         examples=("vtbench physics", "vtbench physics -o out/physics.png", "vtbench physics --json"),

@@ -8,8 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from sensors.contact.ladder.indenters import is_representative
 from sensors.contact.ladder.interface import Pad
+from sensors.contact.ladder.rungs import RUNGS
 from sensors.contact.ladder.table import LadderTable, Row, committed_table
+from sensors.contact.neohookean.surface import Surface
 
 _POISSON_REACH = 0.03
 """How far a pad's Poisson's ratio may lie from a measured one."""
@@ -20,7 +23,10 @@ _NARROWEST = 6.0
 
 @dataclass(frozen=True)
 class Choice:
-    """The rung taken, with its largest relative errors (reference's own included) and its cost (ms CPU a step)."""
+    """The rung taken, with its largest relative errors (reference's own included) and its cost (ms CPU a step).
+
+    Opening the rung is not counted: one that replays is trained then, by twenty presses of the full model.
+    """
 
     rung: str
     force_error: float
@@ -35,20 +41,25 @@ def choose_rung(
     bound_displacement: float,
     *,
     depth_ratio: float | None = None,
+    surface: Surface | None = None,
     table: LadderTable | None = None,
 ) -> Choice:
     """The cheapest rung whose measured errors are within both bounds (relative, 0.02 = 2 %).
 
     Errors count up to `depth_ratio` (d/h; all measured depths where None). The modulus of a pad does not matter; its
     Poisson's ratio must be within 0.03 of a measured one, and its side over thickness between 6 and the widest
-    measured. Raises ValueError where nothing was measured for the pad, the class or the depth, or no rung is within
-    the bounds; the message names the best there is.
+    measured. A rung that replays its class's representative alone is offered where `surface`, what will press, is that
+    representative on the pad's axis; not for the class as such, nor for a contact that has moved. Raises ValueError
+    where nothing was measured for the pad, the class or the depth, or no rung is within the bounds; the message names
+    the best there is.
     """
     table = committed_table() if table is None else table
     if not (bound_force > 0 and bound_displacement > 0):
         raise ValueError(f"error bounds must be positive, got force {bound_force}, displacement {bound_displacement}")
     depths = _depths(table, depth_ratio)
     rows = _rows(table, pad, indenter_class)
+    if surface is None or not is_representative(surface, indenter_class, pad):
+        rows = [row for row in rows if not (row.rung in RUNGS and RUNGS[row.rung].replays)]
     moved = _reference_change(table, rows[0])
     choices = [_judge(row, moved, depths) for row in rows]
     within = [one for one in choices if one.force_error <= bound_force and one.displacement_error <= bound_displacement]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ class LayerRung:
     name: str
     n: int
     dtype: type[np.floating]
+    replays: ClassVar[bool] = False
 
     def open(self, pad: Pad, indenter_class: str) -> OpenRung:
         """Prepare the operator for `pad`; the class of indenter does not matter to it."""
@@ -67,6 +69,7 @@ class WinklerRung:
 
     name: str
     n: int
+    replays: ClassVar[bool] = False
 
     def open(self, pad: Pad, indenter_class: str) -> OpenRung:
         """Fit the springs; ValueError for a class without a representative."""

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from sensors.contact.neohookean.surface import SweptSurface
+import numpy as np
+
+from sensors.contact.grid import Grid
+from sensors.contact.ladder.interface import Pad
+from sensors.contact.neohookean.surface import Surface, SweptSurface
+
+_ALIKE = 1e-6
+"""How far, in thicknesses, a surface may differ from a representative and still be it."""
 
 INDENTER_CLASSES: dict[str, SweptSurface] = {
     "sphere": SweptSurface(tip_radius_m=2.0),
@@ -21,3 +28,11 @@ def indenter(indenter_class: str, thickness_m: float) -> SweptSurface:
     return SweptSurface(
         unit.tip_radius_m * thickness_m, unit.half_length_m * thickness_m, unit.core_radius_m * thickness_m
     )
+
+
+def is_representative(surface: Surface, indenter_class: str, pad: Pad) -> bool:
+    """Whether `surface` is the representative of its class on the axis of `pad`; ValueError for an unknown class."""
+    thickness = pad.material.thickness_m
+    x, y = Grid(64, pad.side_m).coordinates()
+    off = np.abs(surface.jet(x, y).gap - indenter(indenter_class, thickness).jet(x, y).gap)
+    return bool(off.max() <= _ALIKE * thickness)

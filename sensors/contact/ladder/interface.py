@@ -64,6 +64,11 @@ class Rung(Protocol):
         """Its name in tables and scenes."""
         ...
 
+    @property
+    def replays(self) -> bool:
+        """Whether it answers for the representative of its class on the pad's axis alone, and refuses the rest."""
+        ...
+
     def open(self, pad: Pad, indenter_class: str) -> OpenRung:
         """Prepare for `pad`; `indenter_class` says what will press it."""
         ...

@@ -48,7 +48,7 @@ def measure_ladder(
 
     The thickness and the modulus are one: neither changes a relative error. The reference is pressed once per Poisson's
     ratio and class, on a pad of side 8; wider pads are compared over that part. `report` gets a line per row; a rung
-    that does not converge gets a line and no row. About ten minutes of one core for the defaults. Raises
+    that does not converge gets a line and no row. About twenty minutes of one core for the defaults. Raises
     ConvergenceError where the reference does not converge.
     """
     changes, rows = [], []

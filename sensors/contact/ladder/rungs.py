@@ -6,6 +6,7 @@ import numpy as np
 
 from sensors.contact.ladder.flat import LayerRung, WinklerRung
 from sensors.contact.ladder.interface import Rung
+from sensors.contact.ladder.reduced import NeoHookeanReducedRung
 from sensors.contact.ladder.solid import NeoHookeanRung
 
 RUNGS: dict[str, Rung] = {
@@ -15,6 +16,7 @@ RUNGS: dict[str, Rung] = {
         LayerRung("layer-64", 64, np.float32),
         LayerRung("layer-128", 128, np.float32),
         LayerRung("layer-fine", 256, np.float64),
+        NeoHookeanReducedRung("neohookean-reduced", 16, 7),
         NeoHookeanRung("neohookean", 16, 7),
     )
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator
@@ -33,6 +34,7 @@ class NeoHookeanRung:
     cells: int
     layers: int
     n: int = 128
+    replays: ClassVar[bool] = False
 
     def open(self, pad: Pad, indenter_class: str) -> OpenRung:
         """Prepare for `pad`; the mesh waits for the surface."""

@@ -27,6 +27,8 @@ from sensors.contact.neohookean import GridSurface
 H = 3e-3
 PAD = Pad(LayerMaterial(H, 1e5, 0.45), 8 * H)
 COARSE = NeoHookeanRung("coarse", 6, 3, n=64)
+REPLAYED = (0.02, 0.04)
+"""Bounds that only the hyperelastic rungs meet."""
 SMALL = [RUNGS["winkler"], RUNGS["layer-64"], RUNGS["layer-128"], COARSE]
 
 
@@ -87,7 +89,7 @@ def test_the_table_covers_every_rung_pad_and_class(table):
             if (row.poisson_ratio, row.indenter) == (pad.material.poisson_ratio, name)
             and row.side_ratio == pytest.approx(pad.side_ratio)
         }
-        assert {"layer-64", "layer-128", "layer-fine", "winkler", "neohookean"} == rungs
+        assert set(RUNGS) == rungs
     assert {name for _, name in everywhere(table)} == set(INDENTER_CLASSES)
 
 
@@ -106,20 +108,25 @@ def test_the_committed_table_is_what_the_flat_rungs_do_today(table):
     assert np.array(springs) / layer == pytest.approx(by_rung["winkler"] / by_rung["layer-128"], rel=2e-3)
 
 
-def test_the_choice_is_within_the_bounds_and_nothing_cheaper_is(table):
+@pytest.mark.parametrize("known", [False, True], ids=["class alone", "its representative"])
+def test_the_choice_is_within_the_bounds_and_nothing_cheaper_is(table, known):
+    """What replays the representative alone counts where that presses."""
     for pad, name in everywhere(table):
+        surface = indenter(name, H) if known else None
+        own = (pad.material.poisson_ratio, name)
+        moved = next(row for row in table.reference_change if (row.poisson_ratio, row.indenter) == own)
         for force, shape in [(0.5, 2.0), (0.08, 0.12), (0.04, 0.5)]:
             try:
-                choice = choose_rung(pad, name, force, shape)
+                choice = choose_rung(pad, name, force, shape, surface=surface)
             except ValueError:
                 continue
             assert choice.force_error <= force
             assert choice.displacement_error <= shape
-            own = (pad.material.poisson_ratio, name)
-            moved = next(row for row in table.reference_change if (row.poisson_ratio, row.indenter) == own)
             for row in table.rows:
                 same_pad = row.side_ratio == pytest.approx(pad.side_ratio)
-                if (row.poisson_ratio, row.indenter) == own and same_pad and row.cost_ms < choice.cost_ms:
+                offered = known or not RUNGS[row.rung].replays
+                cheaper = offered and row.cost_ms < choice.cost_ms
+                if (row.poisson_ratio, row.indenter) == own and same_pad and cheaper:
                     forces = np.abs(row.force_error) + np.abs(moved.force_error)
                     shapes = np.array(row.displacement_error) + moved.displacement_error
                     assert forces.max() > force or shapes.max() > shape
@@ -143,6 +150,30 @@ def test_a_spoilt_entry_changes_the_choice(table):
         assert choose_rung(*bounds, table=replace(table, rows=rows)).rung != before.rung
     rows = tuple(replace(row, cost_ms=1e6) if row.rung == before.rung else row for row in table.rows)
     assert choose_rung(*bounds, table=replace(table, rows=rows)).rung != before.rung
+
+
+def test_the_replaying_rung_is_taken_for_the_representative_of_its_class_alone(table):
+    """Nothing else may be near it in cost at such a bound; what it would refuse to press it is not offered for."""
+    x, y = Grid(96, 8 * H).coordinates()
+    aside = GridSurface(Grid(96, 8 * H), indenter("sphere", H).jet(x - 0.5 * H, y).gap, 3 * H)
+    wanted = (PAD, "sphere", *REPLAYED)
+    taken = choose_rung(*wanted, surface=indenter("sphere", H))
+    assert taken.rung == "neohookean-reduced"
+    for other in (None, aside, indenter("edge", H), indenter("sphere", 1.01 * H)):
+        choice = choose_rung(*wanted, surface=other)
+        assert choice.rung == "neohookean"
+        assert choice.cost_ms > 10 * taken.cost_ms
+
+
+@pytest.mark.parametrize("spoil", [{"force_error": (0.0, 0.0, 0.0, 0.5)}, {"displacement_error": (0.9, 0.0, 0.0, 0.0)}])
+def test_a_spoilt_entry_of_the_replaying_rung_changes_the_choice(table, spoil):
+    wanted = {"surface": indenter("sphere", H)}
+    before = choose_rung(PAD, "sphere", *REPLAYED, **wanted, table=table)
+    rows = tuple(replace(row, **spoil) if row.rung == "neohookean-reduced" else row for row in table.rows)
+    assert before.rung == "neohookean-reduced"
+    assert choose_rung(PAD, "sphere", *REPLAYED, **wanted, table=replace(table, rows=rows)).rung == "neohookean"
+    gone = tuple(row for row in table.rows if row.rung != "neohookean-reduced")
+    assert choose_rung(PAD, "sphere", *REPLAYED, **wanted, table=replace(table, rows=gone)).rung == "neohookean"
 
 
 def test_shallow_presses_count_shallow_errors_only(table):

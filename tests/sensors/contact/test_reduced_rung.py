@@ -7,11 +7,11 @@ import pytest
 
 from sensors.contact.grid import Grid
 from sensors.contact.ladder import Pad, indenter
+from sensors.contact.ladder.reduced import NeoHookeanReducedRung
 from sensors.contact.ladder.solid import contact_pressure, fitted_mesh
 from sensors.contact.layer import LayerMaterial
-from sensors.contact.neohookean import NeoHookeanPad, graded_pad
+from sensors.contact.neohookean import GridSurface, NeoHookeanPad, graded_pad
 from sensors.contact.neohookean_reduced.face import face_on_grid
-from sensors.contact.neohookean_reduced.rung import NeoHookeanReducedRung
 
 H = 3e-3
 PAD = Pad(LayerMaterial(H, 1e5, 0.45), 8 * H)
@@ -64,5 +64,9 @@ def test_the_rung_answers_like_the_full_one_and_refuses_other_indenters():
     assert [one.indentation_m for one in by_load] == pytest.approx(depths, rel=0.01)
     with pytest.raises(ValueError, match="only the indenter and the axis"):
         next(opened.press_depths(indenter("sphere", H), depths))
+    x, y = Grid(96, 8 * H).coordinates()
+    moved = GridSurface(Grid(96, 8 * H), surface.jet(x - 0.2 * H, y).gap, 3 * H)
+    with pytest.raises(ValueError, match="a contact that moved; train it for this one or use neohookean"):
+        next(opened.press_loads(moved, [path[0].force_n]))
     with pytest.raises(ValueError, match="trained up to a depth"):
         next(opened.press_depths(surface, [0.31 * H]))

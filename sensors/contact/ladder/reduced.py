@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 from sensors.contact.grid import Grid
 from sensors.contact.ladder.indenters import indenter
@@ -32,6 +33,7 @@ class NeoHookeanReducedRung:
     depth_ratio: float = 0.3
     snapshots: int = SNAPSHOTS
     modes: int = MODES
+    replays: ClassVar[bool] = True
 
     def open(self, pad: Pad, indenter_class: str) -> OpenRung:
         """Train for `pad` and the class."""
