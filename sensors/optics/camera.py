@@ -124,6 +124,10 @@ class Camera:
         """
         return None if shift_m == (0.0, 0.0) else self._cloth.ratio(shape, shift_m)
 
+    def sheared_weave(self, moved_m: NDArray[np.float32]) -> NDArray[np.float32]:
+        """`dragged_weave` where each point of the cloth has moved by its own (x, y): `moved_m` (2, rows, columns)."""
+        return self._cloth.ratio_each(np.asarray(moved_m, np.float32))
+
     def slopes(self, modes: NDArray[np.floating]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Slopes along x and y (rows, columns) at the pixels of a surface with sine `modes`."""
         modes = np.asarray(modes, np.float32)

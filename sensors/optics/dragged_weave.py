@@ -52,11 +52,20 @@ class DraggedWeave:
 
         A pixel moves as one: the mean over a pixel is taken first and then looked up where the pixel came from.
         """
+        points_per_m = _KEPT / (self.x_m[1] - self.x_m[0])
+        across, down = (shape * np.float32(part * points_per_m) for part in shift_m)
+        return self._looked_up(across, down)
+
+    def ratio_each(self, moved_m: NDArray[np.float32]) -> NDArray[np.float32]:
+        """The same where each point has moved by its own (x, y): `moved_m` (2, rows, columns)."""
+        points = moved_m * np.float32(_KEPT / (self.x_m[1] - self.x_m[0]))
+        return self._looked_up(points[0], points[1])
+
+    def _looked_up(self, across: NDArray[np.float32], down: NDArray[np.float32]) -> NDArray[np.float32]:
+        """The cloth over itself at rest, moved by kept points (rows, columns)."""
         import cv2
 
-        points_per_m = _KEPT / (self.x_m[1] - self.x_m[0])
-        x = self._points[0] - shape * np.float32(shift_m[0] * points_per_m)
-        y = self._points[1] - shape * np.float32(shift_m[1] * points_per_m)
+        x, y = self._points[0] - across, self._points[1] - down
         # reflected about the row before the first, the means are those of the reflected cloth
         cloth = cv2.remap(self._means, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT_101)
         return np.asarray(cloth / self._rest)

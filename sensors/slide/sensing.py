@@ -58,11 +58,9 @@ def patch_weave(unit: FVSightUnit, skin: InPlaneSkin, shift: Array) -> Weave:
 def sheared_weave(unit: FVSightUnit, sheared: Sheared, at: NDArray[np.intp]) -> Weave:
     """The weave where each point goes its own way; `at` (t,) are the samples in the sheared motion."""
 
-    def weave(sample: int) -> NDArray[np.floating] | None:
-        across, down = (unit.camera.shift_shape(field_modes(one)) for one in sheared.face_at(int(at[sample])))
-        parts = [unit.camera.dragged_weave(across, (1.0, 0.0)), unit.camera.dragged_weave(down, (0.0, 1.0))]
-        first, second = parts
-        return first if second is None or first is None else first * second
+    def weave(sample: int) -> NDArray[np.floating]:
+        face = sheared.face_at(int(at[sample]))
+        return unit.camera.sheared_weave(np.stack([unit.camera.shift_shape(field_modes(part)) for part in face]))
 
     return weave
 

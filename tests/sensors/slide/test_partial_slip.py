@@ -102,15 +102,18 @@ def test_the_camera_sees_other_threads_move_than_those_of_one_patch(slide):
     assert patch.onset_sample < slide.onset_sample
 
 
-def test_a_face_that_moves_as_one_drags_its_threads_as_one():
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (0.0, 1.0), (0.6, 0.8)])
+def test_a_face_that_moves_as_one_drags_its_threads_as_one(direction):
     unit = fvsight_unit(scene_with().effective_sensor(), 0)
     bump = np.outer(*[np.hanning(unit.grid.n)] * 2)
-    face = np.stack([np.stack([part * 5e-4 * bump, 0 * bump]) for part in (0.0, 1.0)]).astype(np.float32)
+    whole = np.stack([5e-4 * part * bump for part in direction])
+    face = np.stack([0 * whole, whole]).astype(np.float32)
     none = np.zeros(2)
     sheared = Sheared(np.arange(3.0), np.array([0.0, 2.0]), np.ones(3, bool), face, none, none, none, none, none)
     weave = sheared_weave(unit, sheared, np.arange(3))
     shape = unit.camera.shift_shape(field_modes(bump))
-    assert weave(1) == pytest.approx(unit.camera.dragged_weave(shape, (2.5e-4, 0.0)), abs=1e-3)
+    half = tuple(2.5e-4 * part for part in direction)
+    assert weave(1) == pytest.approx(unit.camera.dragged_weave(shape, half), abs=1e-3)
     assert np.abs(weave(1) - 1).max() > 0.1
     assert weave(0) == pytest.approx(np.ones_like(shape), abs=1e-3)
 
