@@ -188,9 +188,11 @@ def _advance(
     if whole < n:
         for p in range(TILE):
             basis[last + p] = source[at + whole + p] if whole + p < n else 0.0
-    for p in range(0, n, TILE):
+    onward = step % 2 == 1  # each step begins where the one before ended: that is still in the first-level cache
+    for turn in range(0, width, TILE):
+        p = turn if onward else width - TILE - turn
         values = load(source, at + p) if p < whole else load(basis, last)
-        prefetch(source, at + p + AHEAD)
+        prefetch(source, at + p + (AHEAD if onward else -AHEAD))
         row = base + p * k
         for earlier in range(step):
             values = less_product(values, spread(factors[own + earlier]), load(basis, row))
@@ -200,7 +202,8 @@ def _advance(
         values = less_product(load(working, m * width + p), part, values)
         store(working, m * width + p, values)
         top = peaks(values)
-        where = where_larger(top, best, spread_fold(float(p)), where)
+        here = spread_fold(float(p))  # of equal ones the lower, whichever came first
+        where = where_larger(top, best, here, where) if onward else where_larger(best, top, where, here)
         best = where_larger(top, best, top, best)
     store(leaders, 0, best)
     store(leaders, FOLD, where)

@@ -143,6 +143,16 @@ def test_ties_go_to_the_lowest_index():
     assert n_selected.tolist() == [3]
 
 
+@pytest.mark.parametrize("apart", [1, 8, 64, 200])
+def test_of_equal_atoms_the_first_is_taken_at_every_step(apart):
+    rng = np.random.default_rng(20)
+    atoms, queries = rng.normal(size=(apart, 30)), rng.normal(size=(6, 30))
+    pair = np.concatenate([atoms, atoms])
+    indices, _, n_selected, _ = kernel_omp_gram(*(rbf_kernel(x, pair, 0.01) for x in (pair, queries)), 8)
+    assert np.all(n_selected == min(8, apart))
+    assert indices.max() < apart
+
+
 @pytest.mark.parametrize("gamma", [1e-12, 1e-6, 1e-3, 1.0, 1e3])
 def test_copies_of_atoms_are_never_taken_twice(gamma):
     rng = np.random.default_rng(11)
