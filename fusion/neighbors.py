@@ -86,7 +86,8 @@ class WeightedKNN(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         return self._below_threshold(*self._class_sums(X))
 
     def _keep(self, data: FloatArray, labels: NDArray[Any], known: list[NDArray[Any]]) -> Self:
-        check_classification_targets(labels)
+        if labels.dtype.kind not in "biu":  # whole numbers are classes; finding that out costs as much as the fit
+            check_classification_targets(labels)
         if not isinstance(self.n_neighbors, (int, np.integer)) or self.n_neighbors < 1:
             raise ValueError(f"n_neighbors must be a whole number of at least 1, got {self.n_neighbors!r}.")
         threshold = self.novelty_threshold
