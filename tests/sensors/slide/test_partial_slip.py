@@ -17,9 +17,10 @@ SHORT = {"rest_s": 0.1, "rest_jitter_s": 0.0, "move_s": 0.3, "settle_s": 0.2, "l
 
 
 def scene_with(kind="slide", **changes):
+    pad = {"support": "plate", "grid": 64, "film_thickness_mm": 1e3 * FILM_M, "film_modulus_mpa": 0.3}
     base = {
         "objects": ["ball"],
-        "sensor": {"support": "plate", "grid": 64, "film_thickness_mm": 1e3 * FILM_M, "film_modulus_mpa": 0.3},
+        "sensor": pad | changes.pop("sensor", {}),
         "protocol": {"kinds": [kind]},
         "placing": {"offset_mm": 0.0, "turn_deg": 0.0, "tilt_deg": 0.0},
         "conditions": {"load_spread": 0.0} | changes.pop("conditions", {}),
@@ -53,6 +54,17 @@ def test_friction_carries_its_limit_and_never_more(slide):
     assert pull[slide.onset_sample + 50 : 330] == pytest.approx(MU * LOAD_N, rel=1e-3)
     assert np.diff(pull[100 : slide.onset_sample]).min() > -1e-6
     assert slide.truth["taxel_load"].sum(axis=1) == pytest.approx(LOAD_N, rel=0.01)
+
+
+def test_a_thick_film_sticks_on_the_area_of_cattaneo_and_mindlin():
+    """A ball on nearly a half-space, stiff threads: (1 - Q / mu P)^(2/3), to 2.5 % of the contact (18 cells across)."""
+    thick = {"film_thickness_mm": 30.0, "grid": 128}
+    scene = scene_with(sensor=thick, friction={"weave_mpa_per_mm": 1e4, "slip_speed_mm_s": 1e-3})
+    truth = simulate_slide(scene, 0, 0, ("shear_force", "stick_ratio")).truth
+    share = truth["shear_force"][:, 0] / (MU * LOAD_N)
+    for wanted in (0.2, 0.4, 0.6, 0.8, 0.95):
+        at = int(np.argmax(share >= wanted))
+        assert truth["stick_ratio"][at] == pytest.approx((1 - share[at]) ** (2 / 3), abs=0.025)
 
 
 def test_a_contact_that_does_not_slip_is_a_spring():
