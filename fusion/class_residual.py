@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -84,8 +85,24 @@ def class_scores(residual: FloatArray, has_atom: NDArray[np.bool_]) -> FloatArra
 
     A query without any selected atom (a zero query) scores 0 in every class. Both arrays are (q, n_classes).
     """
-    scores = np.where(has_atom, -residual, 0.0)
-    span = np.max(np.abs(scores), axis=1, keepdims=True)
-    lowest = np.min(np.where(has_atom, scores, np.inf), axis=1, keepdims=True)
-    floor = np.where(np.isfinite(lowest), lowest, MASK_STEP + span) - (MASK_STEP + span)
-    return np.where(has_atom, scores, floor)
+    scores = np.empty(residual.shape)
+    _write_scores(residual, has_atom, scores)
+    return scores
+
+
+@compiled
+def _write_scores(residual: FloatArray, has_atom: NDArray[np.bool_], scores: FloatArray) -> None:
+    n_queries, n_classes = residual.shape
+    for q in range(n_queries):
+        span, lowest = 0.0, math.inf
+        for c in range(n_classes):
+            if has_atom[q, c]:
+                score = -residual[q, c]
+                scores[q, c] = score
+                if not (abs(score) <= span or math.isnan(span)):  # NaN stays
+                    span = abs(score)
+                lowest = min(lowest, score)
+        missing = (lowest if math.isfinite(lowest) else MASK_STEP + span) - (MASK_STEP + span)
+        for c in range(n_classes):
+            if not has_atom[q, c]:
+                scores[q, c] = missing

@@ -33,11 +33,14 @@ def columns_of(Y: FloatArray) -> FloatArray:
     return frozen(np.asarray(Y).T)
 
 
-def pair_matrix(X: FloatArray, columns: FloatArray, *, squared: bool) -> FloatArray:
-    """Squared distances (squared) or inner products of rows of X (q, d) with `columns` (d, n): (q, n)."""
+def pair_matrix(X: FloatArray, columns: FloatArray, *, squared: bool, out: FloatArray | None = None) -> FloatArray:
+    """Squared distances (squared) or inner products of rows of X (q, d) with `columns` (d, n): (q, n).
+
+    `out`: contiguous array (q, n) to write them into.
+    """
     from fusion.pairs import pair_sums
 
-    out = np.empty((len(X), columns.shape[1]))
+    out = np.empty((len(X), columns.shape[1])) if out is None else out
     pair_sums(frozen(X), frozen(columns), squared, out)
     return out
 

@@ -85,7 +85,8 @@ def kernel_rows(modalities: Sequence[Modality], queries: Sequence[FloatArray]) -
     rows = np.empty((len(modalities), len(queries[0]), len(modalities[0].self_values)))
     for modality, part, out in zip(modalities, queries, rows, strict=True):
         if modality.kernel == "rbf":
-            np.multiply(pair_matrix(part, modality.atoms, squared=True), modality.gamma, out=out)
+            pair_matrix(part, modality.atoms, squared=True, out=out)
+            out *= modality.gamma
             continue
         if modality.kernel == "linear":
             own = _finite(squared_norms(part))
