@@ -158,7 +158,7 @@ def _export(graphs: Sequence[Graph], args: Namespace) -> tuple[list[dict[str, An
     if args.all:
         make_folder(args.out)
     reports, problems, before = [], [], 0
-    with bar(len(graphs), "graphs", args.all) as advance:
+    with bar(len(graphs), "graphs", True) as advance:
         for graph in graphs:
             found = made_before(graph.target, graph.asked) if args.all and not args.fresh else None
             try:
