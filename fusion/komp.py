@@ -132,7 +132,9 @@ def joint_komp(
         stop = min(start + size, n_queries)
         pursue(gram, kernels, scales, tol, start, stop, basis, working, indices, coefs, energy)
 
-    size = chunk or max(LEAST_CHUNK, -(-n_queries // (4 * count_threads(n_jobs))))
+    threads = count_threads(n_jobs)
+    shares = 4 * threads if threads > 1 else 1  # each share pays for scratch that the memory has not seen
+    size = chunk or max(LEAST_CHUNK, -(-n_queries // shares))
     map_threads(work, range(0, n_queries, size), n_jobs)
     return SparseCodes(indices, coefs, np.sum(indices >= 0, axis=1)), energy
 
