@@ -33,7 +33,7 @@ from fusion.pairs import gram_row
 
 EPS = float(np.finfo(np.float64).eps)
 DOUBTFUL_PIVOT = 1e-4  # of the atom's squared norm: from here on rounding in the pivot is estimated
-AHEAD = 512  # atoms: how far ahead of its use a Gram row is fetched
+AHEAD = 256  # atoms: how far ahead of its use a Gram row is fetched
 
 
 @compiled
