@@ -19,13 +19,15 @@ from numpy.typing import NDArray
 
 from sensors.contact.nested import check_levels, coarsened
 from sensors.contact.operator import Compliance, WindowedCompliance
-from sensors.contact.solver import ContactSolution, check_load, finite_window, solve_load
+from sensors.contact.solver import ContactSolution, ConvergenceError, check_load, finite_window, solve_load
 
 Floats = NDArray[np.floating]
 Cells = tuple[NDArray[np.intp], ...]
 
-MOST_CELLS = 400
-"""Loaded cells beyond which the iteration of `solve_load` is the cheaper one."""
+MOST_CELLS, _ON_CELLS = 400, 128
+"""Loaded cells beyond which the iteration of `solve_load` is the cheaper one on 128 x 128 cells, more on more."""
+_LAST_RESORT_CELLS = 2500
+"""Loaded cells, 50 MB of coefficients, that are still solved directly where the iteration does not converge."""
 _MOST_ROUNDS = 40
 _PENETRATION, _COARSE_PENETRATION = 1e-5, 1e-2
 """What may remain, relative to the indentation, of an answer and of a first guess; finer than 1e-5 float32 cannot."""
@@ -57,8 +59,9 @@ def solve_load_direct(
     `gap` (n, n) and `initial` (n, n; its loaded cells are the first guess, and the coarser levels are not asked) are on
     the finest grid. Loaded cells meet the surface to rounding, and 1e-5 of the indentation is the most that any other
     cell penetrates; `iterations` counts the linear solves. A contact of more than `MOST_CELLS` cells, or one whose
-    active set does not settle, is left to `solve_load` with `tolerance`. Raises ValueError where the levels do not
-    double, and what `solve_load` raises.
+    active set does not settle, is left to `solve_load` with `tolerance`; up to 2500 cells come back where that does not
+    converge.
+    Raises ValueError where the levels do not double, and what `solve_load` raises.
     """
     check_levels(levels)
     finest = levels[-1]
@@ -69,9 +72,21 @@ def solve_load_direct(
     if guess is None or not guess.any():
         guess = _guess(levels[:-1], gap, force_n)
     try:
-        return _settle(finest, gap, force_n, guess, _PENETRATION)
+        return _settle(finest, gap, force_n, guess, _PENETRATION, _most_cells(finest))
     except _UndecidedError:
+        pass
+    try:
         return solve_load(finest, gap, force_n, initial=initial, tolerance=tolerance)
+    except ConvergenceError:
+        try:
+            return _settle(finest, gap, force_n, guess, _PENETRATION, _LAST_RESORT_CELLS)
+        except _UndecidedError:
+            pass
+        raise
+
+
+def _most_cells(compliance: DenseCompliance) -> int:
+    return MOST_CELLS * max(compliance.grid.n, _ON_CELLS) // _ON_CELLS
 
 
 def _guess(levels: Sequence[DenseCompliance], gap: Floats, force_n: float) -> NDArray[np.bool_]:
@@ -81,7 +96,9 @@ def _guess(levels: Sequence[DenseCompliance], gap: Floats, force_n: float) -> ND
         coarse_gap = coarsened(gap)
         start = _guess(levels[:-1], coarse_gap, force_n)
         try:
-            contact = _settle(levels[-1], coarse_gap, force_n, start, _COARSE_PENETRATION).contact
+            contact = _settle(
+                levels[-1], coarse_gap, force_n, start, _COARSE_PENETRATION, _most_cells(levels[-1])
+            ).contact
         except _UndecidedError:
             contact = start
         fine: NDArray[np.bool_] = np.repeat(np.repeat(contact, 2, axis=0), 2, axis=1) & surface
@@ -89,21 +106,30 @@ def _guess(levels: Sequence[DenseCompliance], gap: Floats, force_n: float) -> ND
             return fine
     heights = gap[surface]
     last = min(_FIRST_CELLS, heights.size) - 1
-    return np.asarray(gap <= np.partition(heights, last)[last])
+    near = np.partition(heights, last)[last]
+    nearest = gap <= near
+    # a spike on a flat face: the face is no guess, what stands out from it is
+    return np.asarray(nearest if nearest.sum() <= MOST_CELLS or not (gap < near).any() else gap < near)
 
 
 def _settle(
-    compliance: DenseCompliance, gap: Floats, force_n: float, active: NDArray[np.bool_], penetration: float
+    compliance: DenseCompliance,
+    gap: Floats,
+    force_n: float,
+    active: NDArray[np.bool_],
+    penetration: float,
+    most_cells: int,
 ) -> ContactSolution:
     """The contact from a first guess (n, n) of its cells; `_UndecidedError` where the guess does not lead there."""
     window = finite_window(gap)
     local: WindowedCompliance = compliance.window(*window)
     near = gap[window].astype(np.float64)
     sum_p = force_n / compliance.grid.cell_area_m2
+    origin = (window[0].start, window[1].start)
     solves = 0
     cells = np.nonzero(active[window])
     for _ in range(_MOST_ROUNDS):
-        cells, p, d, extra = _without_pull(compliance, near, cells, (window[0].start, window[1].start), sum_p)
+        cells, p, d, extra = _without_pull(compliance, near, cells, origin, sum_p, most_cells)
         solves += extra
         field = np.zeros(near.shape, compliance.dtype)
         field[cells] = p
@@ -122,11 +148,16 @@ def _settle(
 
 
 def _without_pull(
-    compliance: DenseCompliance, near: NDArray[np.float64], cells: Cells, origin: tuple[int, int], sum_p: float
+    compliance: DenseCompliance,
+    near: NDArray[np.float64],
+    cells: Cells,
+    origin: tuple[int, int],
+    sum_p: float,
+    most_cells: int,
 ) -> tuple[Cells, NDArray[np.float64], float, int]:
     """Pressure on `cells` of the window, those that would pull taken out; what is left, p, d and the solves it took."""
     for solves in range(1, _MOST_ROUNDS + 1):
-        if cells[0].size > MOST_CELLS:
+        if cells[0].size > most_cells:
             raise _UndecidedError
         matrix = compliance.influence(cells[0] + origin[0], cells[1] + origin[1])
         gaps = near[cells]

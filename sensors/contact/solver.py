@@ -22,6 +22,10 @@ _ENTRY_PRESSURE = 1e-3
 """Pressure, as a fraction of the peak, with which a penetrating cell enters the active set; larger steps cycle."""
 
 
+_DEEPEST = 0.5
+"""Penetration of a loaded cell, as a fraction of the indentation, that no answer holds, whatever it carries."""
+
+
 class ConvergenceError(RuntimeError):
     """The contact solver met neither its tolerance nor a reason to stop."""
 
@@ -265,6 +269,9 @@ class _Problem:
         total = float(p.sum())
         if total <= 0:
             return (0.0 if not gaining.any() else np.inf), gaining
+        # a cell that stands out weighs next to nothing while the load still lies on a wide face below it
+        if (g[active] < -_DEEPEST * scale).any():
+            return np.inf, gaining
         return float(np.abs(g * p).sum()) / (total * scale), gaining
 
     def _solution(self, p: NDArray[np.floating], d: float, iterations: int, residual: float) -> ContactSolution:

@@ -9,7 +9,7 @@ from sensors.contact.grid import Grid
 from sensors.contact.hertz import plane_strain_modulus
 from sensors.contact.layer import LayerCompliance, LayerMaterial
 from sensors.contact.skin import SkinCompliance, SkinMaterial
-from sensors.contact.solver import NO_SURFACE, solve_load
+from sensors.contact.solver import NO_SURFACE, ConvergenceError, solve_load
 
 FILM = LayerMaterial(1.5e-3, 5e6, 0.45)
 SKIN = SkinMaterial(FILM, 600.0)
@@ -111,6 +111,34 @@ def test_a_large_contact_is_left_to_the_iteration(monkeypatch):
     monkeypatch.setattr(direct, "MOST_CELLS", 5)
     got = solve_load_direct(grids, gap, 2.0, tolerance=1e-6)
     np.testing.assert_array_equal(got.pressure, wanted.pressure)
+
+
+@pytest.mark.parametrize("kind", ["skin", "layer"])
+@pytest.mark.parametrize("iterated", [True, False])
+def test_a_spike_on_a_flat_face_carries_a_light_load_alone(kind, iterated):
+    """The face holds all but one of the cells, and nearly all of a first guess of the pressure."""
+    gap = np.full((64, 64), 2e-3)
+    gap[30, 20] = 0.0
+    grids = levels(kind)
+    solve, pad = (solve_load, grids[-1]) if iterated else (solve_load_direct, grids)
+    solution = solve(pad, gap, 1e-6, tolerance=1e-3)
+    assert np.argwhere(solution.contact).tolist() == [[30, 20]]
+
+
+def test_a_contact_that_the_iteration_cannot_solve_comes_back(monkeypatch):
+    """In single precision on 256 x 256 cells the iteration goes round in a circle under some flat objects."""
+
+    def circle(*_, **__):
+        raise ConvergenceError
+
+    grids, gap = levels("skin"), sphere()
+    wanted = solve_load_direct(grids, gap, 2.0)
+    monkeypatch.setattr(direct, "MOST_CELLS", 5)
+    monkeypatch.setattr(direct, "solve_load", circle)
+    np.testing.assert_array_equal(solve_load_direct(grids, gap, 2.0).contact, wanted.contact)
+    monkeypatch.setattr(direct, "_LAST_RESORT_CELLS", 5)
+    with pytest.raises(ConvergenceError):
+        solve_load_direct(grids, gap, 2.0)
 
 
 def test_no_load_and_bad_input():
