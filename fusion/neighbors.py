@@ -12,6 +12,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fusion.arrays import FloatArray
 from fusion.kernels import squared_distances
+from fusion.nearest import smallest
 
 BLOCK_BYTES = 2**25  # of distances per block of queries
 
@@ -120,7 +121,7 @@ class WeightedKNN(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
     def _block_sums(self, data: FloatArray) -> tuple[FloatArray, FloatArray]:
         distances = np.sqrt(squared_distances(data, self._samples))
-        order = np.argsort(distances, axis=1, kind="stable")[:, : self.n_neighbors]
+        order = smallest(distances, self.n_neighbors)
         near = np.take_along_axis(distances, order, axis=1)
         weights = np.exp(near[:, :1] - near)
         sums = np.zeros((len(data), len(self.classes_)))
