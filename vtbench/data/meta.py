@@ -136,13 +136,18 @@ def read_meta(folder: Path) -> DatasetMeta:
 
 
 def first_difference(there: object, asked: object, key: str = "") -> str | None:
-    """The first place where two JSON values differ, as `key is A there, B asked`; None when equal."""
+    """The first difference of two JSON values, as `key is A there, B asked` or `key has A there`; None if equal."""
     if isinstance(there, Mapping) and isinstance(asked, Mapping):
         for name in sorted({*there, *asked}):
             inner = f"{key}.{name}" if key else str(name)
             if found := first_difference(there.get(name), asked.get(name), inner):
                 return found
         return None
+    if isinstance(there, list) and isinstance(asked, list):
+        # long lists begin alike: what one of them has and the other has not tells them apart
+        for more, verb, other in ((there, "has", asked), (asked, "lacks", there)):
+            if names := [item for item in more if item not in other]:
+                return f"{key} {verb} {', '.join(map(str, names[:4]))} there"
     return None if there == asked else f"{key} is {_short(there)} there, {_short(asked)} asked"
 
 

@@ -13,6 +13,7 @@ import pytest
 from tests.vtbench.data import fakes
 from vtbench.data import Dataset, write_dataset
 from vtbench.data.format import META_FILE, PARTIAL_FILE
+from vtbench.data.meta import first_difference
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -179,3 +180,10 @@ def test_two_writers_do_not_share_a_folder(tmp_path):
     out = write(tmp_path / "set", samples=8)
     with only_writer(out), pytest.raises(OSError, match="another process is writing"):
         write(out, samples=8)
+
+
+def test_a_difference_of_lists_is_named_and_not_quoted_at_length():
+    assert first_difference({"columns": ["id", "image"]}, {"columns": ["id", "image"]}) is None
+    assert first_difference({"columns": ["id", "truth"]}, {"columns": ["id"]}) == "columns has truth there"
+    assert first_difference({"columns": ["id"]}, {"columns": ["id", "truth"]}) == "columns lacks truth there"
+    assert first_difference({"order": [1, 2]}, {"order": [2, 1]}) == "order is [1,2] there, [2,1] asked"
