@@ -7,6 +7,7 @@ units are stated models: the paper gives none of them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, Literal
@@ -92,6 +93,16 @@ class FVSightParameters(BaseModel):
     session_gain_drift: float = Field(0.01, ge=0, description="between sessions, per taxel, relative force")
     session_offset_n: float = Field(0.02, ge=0, description="between sessions, per taxel, after taring")
     session_light_drift: float = Field(0.02, ge=0, description="between sessions, per colour channel, relative")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _keys_of_one_sensor(cls, value: Any) -> Any:
+        if isinstance(value, cls | Mapping):
+            return value
+        raise ValueError(
+            f"got {value!r}, but scenes simulate FVSight alone: its hollow skin (support: hollow) or a film on a plate, "
+            f"as in gel sensors (support: plate); expected a mapping of some of {', '.join(cls.model_fields)}"
+        )
 
     @field_validator("dead_taxels")
     @classmethod

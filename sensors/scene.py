@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from sensors import objects
 from sensors.fvsight import FVSightParameters
@@ -15,6 +24,19 @@ from sensors.grids import GridChoice, choose_grid
 
 _LATER = ("creep", "partial_slip")
 """Effects that came after the first datasets."""
+
+
+def _words_and_folders(text: str) -> str:
+    """An id that can stand in paths, in a table's cell and before a sample's number."""
+    if not re.fullmatch(r"[^\s/\\|.][^\s/\\|]*(/[^\s/\\|.][^\s/\\|]*)*", text):
+        raise ValueError(
+            "expected words joined by '/' without blanks, '|', or a dot in front of a word, such as "
+            f"'my-presses/hard', got {text!r}"
+        )
+    return text
+
+
+SceneId = Annotated[str, AfterValidator(_words_and_folders)]
 
 
 class _Part(BaseModel):
@@ -142,7 +164,7 @@ class ErrorBound(_Part):
 class PressScene(_Part):
     """A press scene: an FVSight pressed on household objects under force control."""
 
-    id: str
+    id: SceneId
     title: str
     kind: Literal["press"] = "press"
     sensor: FVSightParameters = FVSightParameters()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import difflib
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     ModelT = TypeVar("ModelT", bound=pydantic.BaseModel)
 
 VARIATIONS = "variations"
+SCENE_KINDS = {"press": "objects pressed under force control", "slide": "pressed, then moved sideways"}
+_OF_SUITES = {"entries", "datasets"}
+"""Keys that a suite has and a scene never."""
 
 _OWN_FILE = re.compile(r"(.+\.ya?ml)(?:/([^/]+))?")
 
@@ -97,6 +101,8 @@ def load_scene(
     """
     path, variation = _locate("scene", str(name_or_path))
     file = read_yaml(path)
+    if _OF_SUITES & file.data.keys():
+        raise ValueError(f"{path}: this is a suite, not a scene: {_instead('scene', str(path))}")
     data = {key: value for key, value in file.data.items() if key != VARIATIONS}
     lines = dict(file.lines)
     if variation:
@@ -125,7 +131,16 @@ def _unwritten(lines: Mapping[KeyPath, int], overrides: Mapping[str, Any]) -> di
 
 
 def _scene(data: dict[str, Any], source: str, lines: Mapping[KeyPath, int]) -> PressScene | SlipScene:
-    if data.get("kind") == "slide":
+    kind = data.get("kind", "press")
+    if kind not in list(SCENE_KINDS):
+        line = lines.get(("kind",))
+        where = f"{source}:{line}: " if source and line else f"{source}: " if source else ""
+        known = " or ".join(f"{name!r} ({about})" for name, about in SCENE_KINDS.items())
+        near = difflib.get_close_matches(str(kind).lower(), SCENE_KINDS, n=1, cutoff=0.4)
+        raise ValueError(
+            f"{where}kind: expected {known}, got {kind!r}" + (f"; did you mean {near[0]!r}?" if near else "")
+        )
+    if kind == "slide":
         from sensors.slide import SlipScene
 
         return _build(SlipScene, data, source, lines)
@@ -137,6 +152,8 @@ def _scene(data: dict[str, Any], source: str, lines: Mapping[KeyPath, int]) -> P
 def load_suite(name_or_path: str | Path) -> Suite:
     """A suite by name (`quick`) or from one's own YAML file.
 
+    A scene's own file stands beside the suite's file, else below the current folder.
+
     Raises:
         ValueError: unknown suite (with the closest names), or a value that it refuses.
     """
@@ -145,7 +162,35 @@ def load_suite(name_or_path: str | Path) -> Suite:
         raise ValueError(f"{path}: a suite has no variations, got {variation!r} behind its name")
     from vtbench.run.suite import Suite
 
-    return load_model(path, Suite)
+    file = read_yaml(path)
+    if not _OF_SUITES & file.data.keys() and _is_of_a_scene(file.data):
+        raise ValueError(f"{path}: this is a scene, not a suite: {_instead('suite', str(path))}")
+    suite = _build(Suite, file.data, str(path), file.lines)
+    datasets = [spec.model_copy(update={"scene": _beside(path, spec.scene)}) for spec in suite.datasets]
+    return suite.model_copy(update={"datasets": tuple(datasets)})
+
+
+def _is_of_a_scene(keys: Mapping[str, Any]) -> bool:
+    """Whether a key belongs to scenes and not to suites."""
+    from sensors.scene import PressScene
+    from sensors.slide import SlipScene
+    from vtbench.run.suite import Suite
+
+    of_scenes = {VARIATIONS, *PressScene.model_fields, *SlipScene.model_fields}
+    return bool((of_scenes - Suite.model_fields.keys()) & keys.keys())
+
+
+def _instead(asked: str, name: str) -> str:
+    """What to do with a suite where a scene was asked for, and the other way round."""
+    if asked == "scene":
+        return f"`vtbench run {name} -o DIR` runs it"
+    return f"`vtbench generate {name} -o DIR` makes a dataset of it, and a suite's dataset takes it as `scene: {name}`"
+
+
+def _beside(suite: Path, scene: str | None) -> str | None:
+    """A scene's own file as seen from the current folder, where it stands beside the suite; else what was written."""
+    own = _OWN_FILE.fullmatch(scene or "")
+    return str(suite.parent / own[0]) if own and (suite.parent / own[1]).is_file() else scene
 
 
 def scene_names() -> list[str]:
@@ -195,6 +240,9 @@ def _locate(kind: str, name: str) -> tuple[Path, str]:
     base, _, variation = name.rpartition("/")
     if base in files and variation:
         return files[base], variation
+    other = "suite" if kind == "scene" else "scene"
+    if name in (suite_names() if kind == "scene" else scene_names()):
+        raise ValueError(f"{name!r} is a {other}, not a {kind}: {_instead(kind, name)}")
     known = scene_names() if kind == "scene" else list(files)
     raise unknown(kind, name, known, f"vtbench list {kind}s")
 

@@ -11,9 +11,9 @@ from vtbench.registry import hint
 from vtbench.yaml_file import KeyPath
 
 _UNKNOWN_KEY = ("extra_forbidden", "unexpected_keyword_argument")
+_NO_MAPPING = ("model_type", "dataclass_type", "model_attributes_type")
 _MISSING_KEY = ("missing", "missing_argument", "missing_keyword_only_argument")
 _WORDS = (
-    ("expected a valid dictionary or instance of", "expected a mapping for"),
     ("expected a valid ", "expected a "),
     ("expected a integer", "expected an integer"),
     ("expected greater", "expected a value greater"),
@@ -86,6 +86,8 @@ def _explain(problem: Any, model: Any, data: Any) -> str:
         return "expected this key, got nothing"
     if kind in ("value_error", "assertion_error"):
         return str(context.get("error", problem["msg"])).strip()
+    if kind in _NO_MAPPING and (fields := _fields_at(model, problem["loc"])):
+        return f"expected a mapping of {', '.join(fields)}, got {_short(got)}"
     expected = problem["msg"].replace("Input should be", "expected", 1).split(", unable to parse")[0]
     for theirs, ours in _WORDS:
         expected = expected.replace(theirs, ours, 1)

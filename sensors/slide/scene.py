@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from sensors.fvsight import FVSightParameters
-from sensors.scene import Effects
+from sensors.scene import Effects, SceneId
 from sensors.slide.shapes import BODIES, body
 
 Kind = Literal["slide", "rotation", "incipient", "load_change", "tapping", "arm_vibration", "drift", "recovery"]
@@ -167,7 +167,7 @@ class SlideEffects(Effects):
 class SlipScene(_Part):
     """A slip scene: an FVSight pressed on an object, moved sideways or disturbed."""
 
-    id: str
+    id: SceneId
     title: str
     kind: Literal["slide"] = "slide"
     sensor: FVSightParameters = FVSightParameters()

@@ -176,7 +176,7 @@ def test_a_suite_is_checked_with_its_scenes(refused, tmp_path):
     [
         ("pose.reseat_mm", "far", "set: pose.reseat_mm: expected a number, got 'far'"),
         ("pose..x", "1", "set: expected a key such as 'pose.shift_mm', got 'pose..x'"),
-        ("pose", "3", "set: pose: expected a mapping for Pose, got 3"),
+        ("pose", "3", "set: pose: expected a mapping of nominal_offset_mm, nominal_turn_deg, reseat_mm"),
         ("pose.jitter_mm.x", "3", "set: pose.jitter_mm: expected a number"),
         ("kind", "slide", "set: "),
     ],

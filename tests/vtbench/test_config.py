@@ -132,6 +132,21 @@ def test_an_unknown_scene_is_refused(name, message):
         ({"variations": [1]}, "variations: expected a mapping of names to changed keys"),
         ({"variations": {"a": 3}}, "variations.a: expected a mapping of changed keys, got 3"),
         ({"variations": {"a/b": {}}}, "variations: expected a name without '/', got 'a/b'"),
+        (
+            {"kind": "push"},
+            r"yaml:\d+: kind: expected 'press' \(.+\) or 'slide' \(.+\), got 'push'; .* 'press'\?",
+        ),
+        ({"kind": "slip"}, r"kind: expected 'press' .* or 'slide' .*, got 'slip'; did you mean 'slide'\?"),
+        ({"kind": 3}, r"kind: expected 'press' .* or 'slide' \([^)]+\), got 3$"),
+        ({"kind": ["slide"]}, r"kind: expected 'press' .*, got \['slide'\]"),
+        (
+            {"sensor": "digit"},
+            r"sensor: got 'digit', .*FVSight.* hollow skin .* plate.*; expected a mapping of .*grid",
+        ),
+        *(
+            ({"id": wrong}, "id: expected words joined by '/'")
+            for wrong in ("a b", "/a", "a/", "a//b", "../a", "a|b", "")
+        ),
     ],
 )
 def test_a_bad_scene_names_file_key_expected_and_got(own_scene, changes, message):
@@ -183,6 +198,56 @@ def test_what_a_suite_names_is_there_before_any_work(tmp_path, key, wrong, messa
     path.write_text(yaml.safe_dump(suite))
     with pytest.raises(ValueError, match=message):
         config.load_suite(path)
+
+
+@pytest.mark.parametrize("good", ["fvsight-press/hard", "Löffel_2+3", "a.b/c(1)"])
+def test_an_id_may_have_folders(own_scene, good):
+    assert config.load_scene(own_scene(id=good)).id == good
+
+
+SUITE = """\
+id: mine
+title: t
+datasets:
+  - {id: paper, scene: my-scene.yaml/loose}
+entries:
+  - {task: objects/deep/v1, variants: [paper], methods: [svm]}
+"""
+
+
+def test_a_scene_and_a_suite_are_not_taken_for_one_another(own_scene, tmp_path):
+    scene, suite = own_scene(), tmp_path / "suite.yaml"
+    suite.write_text(SUITE)
+    with pytest.raises(ValueError, match=r"my-scene\.yaml: this is a scene, not a suite: `vtbench generate .*`scene: "):
+        config.load_suite(scene)
+    with pytest.raises(ValueError, match=r"suite\.yaml: this is a suite, not a scene: `vtbench run "):
+        config.load_scene(suite)
+    with pytest.raises(ValueError, match=r"'fvsight-press/hard' is a scene, not a suite: `vtbench generate fvsight"):
+        config.load_suite("fvsight-press/hard")
+    with pytest.raises(ValueError, match=r"'quick' is a suite, not a scene: `vtbench run quick"):
+        config.load_scene("quick")
+
+
+def test_a_suite_finds_a_scene_beside_itself_from_any_folder(own_scene, tmp_path, monkeypatch):
+    scene, suite = own_scene(), tmp_path / "suite.yaml"
+    suite.write_text(SUITE)
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    (found,) = config.load_suite("../suite.yaml").datasets
+    assert config.load_scene(found.scene).id == "mine/loose"
+    monkeypatch.chdir(tmp_path)
+    scene.rename(tmp_path / "elsewhere/my-scene.yaml")
+    suite.rename(tmp_path / "elsewhere/suite.yaml")
+    assert config.load_suite("elsewhere/suite.yaml").datasets[0].scene == "elsewhere/my-scene.yaml/loose"
+
+
+@pytest.mark.parametrize("wrong", ["a b", "a/b", "..", "Paper", ""])
+def test_an_id_that_names_a_folder_or_a_column_is_one_plain_word(tmp_path, wrong):
+    path = tmp_path / "suite.yaml"
+    for place in ("id: mine", "id: paper"):
+        path.write_text(SUITE.replace(place, f"id: {wrong!r}", 1))
+        with pytest.raises(ValueError, match=r"id: expected a word of small letters, digits, '_', '-' and '\.', got "):
+            config.load_suite(path)
 
 
 def test_an_unknown_suite_is_refused():

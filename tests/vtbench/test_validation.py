@@ -68,7 +68,7 @@ def line_for(data, lines=None, source="sensor.yaml"):
         ),
         ({"camera": {"width": -3}}, "camera.width: expected a value greater than or equal to 1, got -3"),
         ({"camera": {"width": "wide"}}, "camera.width: expected an integer, got 'wide'"),
-        ({"camera": [1]}, "camera: expected a mapping for Camera, got [1]"),
+        ({"camera": [1]}, "camera: expected a mapping of width, shutter, got [1]"),
         ({"view": "ful"}, "view: expected 'crop' or 'full', got 'ful'; did you mean 'full'?"),
         ({"view": 3}, "view: expected 'crop' or 'full', got 3"),
         ({"span_mm": [2, 1]}, "span_mm: expected low before high, got [2.0, 1.0]"),

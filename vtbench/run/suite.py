@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+import re
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, JsonValue, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, JsonValue, field_validator, model_validator
 
 from vtbench.registry import unknown
 from vtbench.run.detection.methods import DETECTORS
@@ -14,7 +15,16 @@ from vtbench.tasks import TASKS
 DEFAULT_BACKBONE = "efficientnet-lite0"
 JOIN = "+"
 """Between the ids of datasets that one variant reads together."""
-_ID = r"^[a-z0-9][a-z0-9_.-]*$"
+
+
+def _plain_word(text: str) -> str:
+    """An id that is a folder's name, and a part of tables and of joined names."""
+    if not re.fullmatch(r"[a-z0-9][a-z0-9_.-]*", text):
+        raise ValueError(f"expected a word of small letters, digits, '_', '-' and '.', got {text!r}")
+    return text
+
+
+_Id = Annotated[str, AfterValidator(_plain_word)]
 
 
 def dataset_ids(joined: str) -> list[str]:
@@ -49,7 +59,7 @@ class DatasetSpec(_Part):
         set: values laid over the scene, by dotted key.
     """
 
-    id: str = Field(pattern=_ID)
+    id: _Id
     scene: str | None = None
     path: str | None = None
     samples: int | None = Field(None, ge=1)
@@ -167,7 +177,7 @@ class Suite(_Part):
         timeout_s: a cell that takes longer is stopped and recorded as such.
     """
 
-    id: str = Field(pattern=_ID)
+    id: _Id
     title: str
     seed: int = Field(0, ge=0)
     backbone: str = DEFAULT_BACKBONE
