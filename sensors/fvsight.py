@@ -100,7 +100,7 @@ class FVSightParameters(BaseModel):
         if isinstance(value, cls | Mapping):
             return value
         raise ValueError(
-            f"got {value!r}, but scenes simulate FVSight alone: its hollow skin (support: hollow) or a film on a plate, "
+            f"got {value!r}, but scenes simulate FVSight alone: its hollow skin (support: hollow) or a film on a plate "
             f"as in gel sensors (support: plate); expected a mapping of some of {', '.join(cls.model_fields)}"
         )
 

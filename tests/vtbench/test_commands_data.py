@@ -219,6 +219,19 @@ def test_generate_writes_what_it_says_and_does_it_once(vtbench, scene, tmp_path)
     assert vtbench("validate", out).code == 0
 
 
+def test_a_refused_press_names_the_scenes_file_and_the_sample(refused, scene, tmp_path):
+    scene.write_text(SCENE + "load: {deep_n: 41}\nsensor: {grid: 32}\n")
+    line = refused("generate", scene, "--variation", "loose", "-o", tmp_path / "set")
+    assert line.startswith(f"{scene}/loose: mine/loose, sample 0: a press of 4")
+    assert "lower the load or raise tension_n_per_m" in line
+
+
+def test_a_later_sample_that_is_refused_is_named_once(refused, scene, tmp_path):
+    scene.write_text(SCENE + "load: {deep_n: 41, shallow_n: 1}\nprotocol: {shallow_rounds: [0]}\nsensor: {grid: 32}\n")
+    line = refused("generate", scene, "-o", tmp_path / "set", "--samples", "4")
+    assert line.startswith(f"{scene}: mine, sample 2: a press of 4")
+
+
 def test_a_variation_is_part_of_the_scene_or_an_option(vtbench, scene, tmp_path):
     one = vtbench("generate", f"{scene}/loose", "-o", tmp_path / "a", "--samples", "1", "--json")
     two = vtbench("generate", scene, "--variation", "loose", "-o", tmp_path / "b", "--samples", "1", "--json")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 from argparse import Namespace, _SubParsersAction
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from vtbench.commands.output import count_text, print_json, size_text
@@ -64,9 +66,10 @@ def run(args: Namespace) -> int:
     from vtbench.data.opening import write_scene
     from vtbench.scheduling import connect
 
-    scene = load_scene(f"{args.scene}/{args.variation}" if args.variation else args.scene)
+    name = f"{args.scene}/{args.variation}" if args.variation else args.scene
+    scene = load_scene(name)
     started = time.perf_counter()
-    with connect(args.scheduler) as cluster:
+    with connect(args.scheduler) as cluster, _naming_file(name, scene.id):
         path = write_scene(
             args.out,
             scene,
@@ -79,6 +82,17 @@ def run(args: Namespace) -> int:
             resume=not args.fresh,
         )
     return report(path, time.perf_counter() - started, args.json)
+
+
+@contextmanager
+def _naming_file(name: str, scene_id: str) -> Iterator[None]:
+    """The scene's file before what its samples complain of."""
+    from vtbench.data.shards import SampleError
+
+    try:
+        yield
+    except SampleError as error:
+        raise error if name == scene_id else ValueError(f"{name}: {error}") from None
 
 
 def report(path: Path, seconds: float, as_json: bool) -> int:

@@ -29,6 +29,10 @@ from vtbench.scheduling import Cluster, Died
 RowMaker = Callable[[int], Row]
 
 
+class SampleError(ValueError):
+    """A sample that cannot be made: the fault is in what was asked for, not in the folder."""
+
+
 def write_shards(
     out: Path,
     plan: Plan,
@@ -110,13 +114,20 @@ def _shard(plan: Plan, make_row: RowMaker, number: int) -> pa.Table:
         for index in plan.shard_rows(number):
             if os.getppid() != parent:
                 raise SystemExit("the process that asked for this shard is gone")
-            try:
+            with naming_sample(plan.name, index):
                 rows.append(make_row(index))
-            except OSError:
-                raise
-            except Exception as error:
-                raise ValueError(f"{plan.name}, sample {index}: {_one_line(error)}") from error
         return build_table(rows, arrow_schema(plan.columns, plan.n_taxels, plan.truth, plan.classes))
+
+
+@contextmanager
+def naming_sample(dataset: str, index: int) -> Iterator[None]:
+    """Any failure but the system's as a `SampleError` that names dataset and sample."""
+    try:
+        yield
+    except OSError:
+        raise
+    except Exception as error:
+        raise SampleError(f"{dataset}, sample {index}: {_one_line(error)}") from error
 
 
 def _put(out: Path, table: pa.Table, number: int) -> ShardEntry:

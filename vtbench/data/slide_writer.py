@@ -12,7 +12,7 @@ import numpy as np
 from vtbench.data.files import make_folder
 from vtbench.data.format import FRAME_COLUMNS, SLIDE_COLUMNS
 from vtbench.data.meta import Plan
-from vtbench.data.shards import one_thread, write_shards
+from vtbench.data.shards import naming_sample, one_thread, write_shards
 from vtbench.data.slide_rows import slide_row
 from vtbench.data.table import Row
 from vtbench.data.writer import check_counts, generator, processes
@@ -61,7 +61,7 @@ def write_slides(
     jobs = processes(jobs)
     make_folder(out)
     make = simulate or _simulate
-    with one_thread():
+    with one_thread(), naming_sample(scene.id, 0):
         first = make(scene, 0, seed, frames)
     size = first.frames.shape[1:3] if first.frames is not None else (0, 0)
     plan = Plan(

@@ -14,7 +14,7 @@ from vtbench.data.files import make_folder
 from vtbench.data.format import SAMPLES_PER_SHARD, SIMULATED_COLUMNS, TRUTH_UNITS
 from vtbench.data.meta import Plan
 from vtbench.data.rows import recording_row
-from vtbench.data.shards import one_thread, write_shards
+from vtbench.data.shards import naming_sample, one_thread, write_shards
 from vtbench.data.table import Row
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def write_dataset(
         from sensors.sensor_card import describe as describe_sensor
 
         describe = describe_sensor
-    with one_thread():
+    with one_thread(), naming_sample(scene.id, 0):
         first = simulate(scene, 0, seed, fields)
     plan = Plan(
         kind="simulated",
