@@ -43,7 +43,10 @@ class Effect:
 
 @dataclass(frozen=True)
 class Grid:
-    """A contact grid with its measured errors and bounds, by name; the errors are None where nothing was measured."""
+    """A contact grid with its measured errors and bounds, by name; the errors are None where nothing was measured.
+
+    An error is that of the worst class of objects, which `worst` names; half of the classes are within `median`.
+    """
 
     model: str
     grid: int
@@ -51,6 +54,8 @@ class Grid:
     error: dict[str, float] | None
     bound: dict[str, float]
     cost_ms: float | None
+    worst: dict[str, str] = field(default_factory=dict)
+    median: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ import numpy as np
 from sensors.contact.ladder import committed_table
 from sensors.contact.large_deflection import linear_excess
 from sensors.contact.scoring.hyperelastic import force_within
-from sensors.explain import Effect, Explanation, Grid, Readings, Run, Switch, measure_switches, rms
+from sensors.explain import Effect, Explanation, Readings, Run, Switch, measure_switches, rms
+from sensors.explain_grids import MODELS, press_grids
 from sensors.fvsight import FVSightUnit, Press, fvsight_unit
-from sensors.grids.choose import measured_choices
 from sensors.optics.horizon import horizon_elevation
 from sensors.optics.lights import LedRing
 from sensors.press import draw_pose, presented_gap, simulate
@@ -30,11 +30,6 @@ FLAGS = {
     "camera_noise": "shot and read noise of the pixels",
     "hysteresis": "the film remembers its loading",
 }
-MODELS = {
-    "hollow": "a hollow skin has one contact model (skin): an error bound takes its grid",
-    "plate": "a film on a plate has two contact models (springs, layer): an error bound takes model and grid",
-}
-"""What an error bound can choose from, by the sensor's support."""
 _STILL_PX = 0.25
 """Threads that move less than this may stand still in the frame."""
 
@@ -52,7 +47,7 @@ def explain_press(
         cpu_ms,
         tuple(effects),
         _stages(scene, indices, seed),
-        _grids(scene),
+        press_grids(scene),
         MODELS[scene.sensor.support],
     )
 
@@ -209,24 +204,3 @@ def _stages(scene: PressScene, indices: Sequence[int], seed: int) -> dict[str, f
         what = plan(scene, index)
         found.append(press_stages(scene, unit, what.object_name, what.label, np.random.default_rng([seed, index])))
     return {stage: float(np.median([one[stage] for one in found])) for stage in found[0] if stage != WARM}
-
-
-def _grids(scene: PressScene) -> tuple[Grid, ...]:
-    bound = scene.error_bound.named() if scene.error_bound else {}
-    sensor = scene.effective_sensor()
-    taken, name = (sensor.grid, sensor.contact), "skin" if sensor.support == "hollow" else "layer"
-    models = {"elastic": name, "springs": "springs"}
-    try:
-        known = measured_choices(scene.sensor.model_dump(), scene.object_classes, scene.loads_n)
-    except ValueError:
-        return (Grid(models[sensor.contact], sensor.grid, True, None, bound, None),)
-    rows = [
-        Grid(models[one.contact], one.grid, (one.grid, one.contact) == taken,
-             {"force": one.force, "displacement": one.displacement, "frame": one.frame}, bound, one.cost_ms)
-        for one in known
-    ]  # fmt: skip
-    return (
-        tuple(rows)
-        if any(row.taken for row in rows)
-        else (*rows, Grid(models[sensor.contact], sensor.grid, True, None, bound, None))
-    )

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from sensors.explain import Effect, Explanation, Grid, Readings, Run, Switch, measure_switches, rms
+from sensors.explain import Effect, Explanation, Readings, Run, Switch, measure_switches, rms
+from sensors.explain_grids import SLIDES, slide_grids, slide_warning
 from sensors.explain_press import FLAGS, creep_switch, spread
 from sensors.fvsight import fvsight_unit
 from sensors.slide.scene import UNSHEARED, SlipScene
@@ -18,8 +19,6 @@ SLIDE_FLAGS = FLAGS | {
     "shear_moment": "shear on the film's face loads the taxels ahead of it",
     "late_film": "a share of every change of load arrives late",
 }
-
-MODELS = "a slip scene has no error bound: model and grid are the sensor's own"
 
 
 def explain_slide(
@@ -46,9 +45,8 @@ def explain_slide(
     cpu_ms, effects = measure_switches(_run(scene, seed), switches, indices, advance)
     if switches[-1].run is not None:
         effects[-1] = replace(effects[-1], frame_levels=switches[-1].effect.frame_levels)
-    sensor = scene.effective_sensor()
-    grids = (Grid("skin" if sensor.support == "hollow" else "layer", sensor.grid, True, None, {}, None),)
-    return Explanation(scene.id, len(indices), cpu_ms, tuple(effects), grids=grids, models=MODELS)
+    models = "; ".join(filter(None, (SLIDES, slide_warning(scene))))
+    return Explanation(scene.id, len(indices), cpu_ms, tuple(effects), grids=slide_grids(scene), models=models)
 
 
 def n_slide_effects() -> int:

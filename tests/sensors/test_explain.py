@@ -1,11 +1,15 @@
 """What `explain` says: every effect's own size, measured by switching it."""
 
+import re
+
 import pytest
 
 from sensors import explain
+from sensors.explain_grids import press_grids, slide_warning
 from sensors.explain_press import FLAGS, explain_press, n_effects, spread
 from sensors.explain_slide import SLIDE_FLAGS, explain_slide, n_slide_effects
 from sensors.fvsight import FVSightParameters
+from sensors.grids.choose import measured_choices
 from sensors.scene import Effects, PressScene
 from sensors.slide import SlipScene
 from sensors.slide.scene import SlideEffects, SlipMotion
@@ -76,6 +80,31 @@ def test_the_grid_taken_is_among_those_measured(full):
     assert taken.error["frame"] > finest.error["frame"]
     assert "one contact model" in found.models
     assert found.stages_ms["frame total"] > found.stages_ms["contact"] > 0
+
+
+def test_an_error_names_the_class_it_is_of_and_what_most_keep_to():
+    """Both from one class at a time; the scene's own choice counts the worst of them."""
+    scene = PressScene(id="all", title="all")
+    taken = next(one for one in press_grids(scene) if one.taken)
+    alone = {}
+    for objects in scene.object_classes:
+        choices = measured_choices(scene.sensor.model_dump(), (objects,), scene.loads_n)
+        alone[objects] = next(one for one in choices if one.grid == scene.sensor.grid)
+    for name, error in taken.error.items():
+        assert getattr(alone[taken.worst[name]], name) == error == max(getattr(one, name) for one in alone.values())
+        below = sum(getattr(one, name) <= taken.median[name] for one in alone.values())
+        assert below == len(alone) // 2 + len(alone) % 2
+    assert taken.worst["displacement"] == "cutlery"
+    assert taken.median["displacement"] < 0.1 * taken.error["displacement"]
+
+
+def test_a_slide_on_a_film_is_warned_of_points_and_a_slide_on_the_skin_is_not():
+    film = {"support": "plate", "film_thickness_mm": 4.0, "film_modulus_mpa": 0.3}
+    assert slide_warning(SlipScene(id="s", title="s")) == ""
+    known = slide_warning(SlipScene(id="s", title="s", sensor=film))
+    assert re.search(r"at 128x128 .* off by up to \d+% \(\w+; half of the classes up to \d+%\)", known)
+    for other in ({"film_thickness_mm": 9.0}, {"grid": 32}):
+        assert "not measured" in slide_warning(SlipScene(id="s", title="s", sensor=film | other))
 
 
 def test_a_pad_on_a_plate_shows_both_models_and_what_linear_elasticity_leaves_out():

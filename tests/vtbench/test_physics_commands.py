@@ -1,6 +1,7 @@
 """`vtbench explain` and `vtbench physics` as a user meets them."""
 
 import json
+import re
 
 import pytest
 
@@ -43,6 +44,7 @@ def test_explain_prints_tables(scene, capsys):
     out = capsys.readouterr().out
     for word in ("unit spread", "shadows", "skin 64x64", "taken", "frame 100", "frame total"):
         assert word in out
+    assert re.search(r"taken: force [\d.]+% of (button|hardware) \(median class [\d.]+%\), displacement ", out)
 
 
 def test_a_bound_that_no_grid_meets_is_one_line(scene, capsys):

@@ -76,8 +76,23 @@ def _print(found: Explanation) -> None:
         print_table(["stage", "ms CPU", "share"], [[k, v, f"{v / whole:.0%}"] for k, v in found.stages_ms.items()])
     print()
     print_table(["contact", "is", "force", "displacement", "frame", "ms CPU", "bound"], list(map(_grid, found.grids)))
+    if said := _whose(found):
+        print(said)
     if found.models:
         print(found.models)
+
+
+def _whose(found: Explanation) -> str:
+    """Which class of objects the errors of the contact taken are, and what half of the classes keep to."""
+    taken = next((row for row in found.grids if row.taken and row.worst), None)
+    if taken is None:
+        return ""
+    parts = []
+    for name, error in (taken.error or {}).items():
+        form = "{:.3f}" if name == "frame" else "{:.2%}"
+        middle = form.format(taken.median[name])
+        parts.append(f"{name} {form.format(error)} of {taken.worst[name]} (median class {middle})")
+    return f"errors are those of the worst class of objects; taken: {', '.join(parts)}"
 
 
 def _effect(row: Effect) -> list[object]:
