@@ -111,10 +111,12 @@ def force_history(dataset_dir: Path | str, sample: int, png: Path | str) -> Path
         axes.axvline(row["image_time_s"], color=INK, lw=0.8, ls=(0, (2, 2)))
         axes.text(row["image_time_s"], 0.985, " frame", color=INK, va="top", transform=axes.get_xaxis_transform())
         axes.plot(time_s, series.sum(axis=1), color=INK, lw=1.6, label="sum of the taxels")
-        for rank, taxel in enumerate(np.argsort(series.max(axis=0))[::-1]):
-            label = f"taxel {taxel + 1}" if rank < _NAMED_TAXELS else None
-            colour = f"C{rank}" if rank < _NAMED_TAXELS else "#c5ccd4"
-            axes.plot(time_s, series[:, taxel], color=colour, lw=1.1, label=label, zorder=2 - rank / 100)
+        ranked = np.argsort(series.max(axis=0))[::-1]
+        styles = line_styles(series[:, ranked[:_NAMED_TAXELS]], _LINE_SHARE * float(series.sum(axis=1).max()))
+        for rank, taxel in enumerate(ranked):
+            named = rank < _NAMED_TAXELS
+            look = {"color": f"C{rank}", "label": f"taxel {taxel + 1}", "ls": styles[rank]} if named else {}
+            axes.plot(time_s, series[:, taxel], **({"color": "#c5ccd4"} | look), lw=1.1, zorder=2 - rank / 100)
         axes.set(xlabel="time [s]", ylabel="force [N]", xlim=(0, time_s[-1]))
         axes.set_ylim(top=1.14 * float(series.sum(axis=1).max()))
         axes.legend(frameon=False, loc="upper left", fontsize=8, labelcolor=INK)
@@ -123,6 +125,19 @@ def force_history(dataset_dir: Path | str, sample: int, png: Path | str) -> Path
         _picture(image, dataset.images([sample])[0], "frame")
         _force_panel(force, dataset.force([sample])[0], float(series.max()), dataset)
     return Path(png)
+
+
+def line_styles(series: NDArray[np.floating], width: float) -> list[Any]:
+    """Matplotlib's line style of each trace of `series` (t, traces): solid, or dashed where others hide it.
+
+    Traces that are on average closer than `width` take turns: the dashes of one fall into the gaps of the others.
+    """
+    apart = np.abs(series[:, :, None] - series[:, None, :]).mean(axis=0)
+    styles: list[Any] = []
+    for trace, near in enumerate(apart < width):
+        turn, turns = int(near[:trace].sum()), int(near.sum())
+        styles.append("-" if turns < 2 else ((turns - turn) % turns * _DASH, (_DASH, (turns - 1) * _DASH)))
+    return styles
 
 
 def slide_traces(recordings: FabricSlide16, png: Path | str, speed: int = -30) -> Path:
@@ -181,6 +196,9 @@ def difference(image: NDArray[np.uint8], rest: NDArray[np.uint8], gain: float) -
 
 _MINUS = "\N{MINUS SIGN}"
 _NAMED_TAXELS = 5
+_DASH = 5.0
+_LINE_SHARE = 0.006
+"""Width of a line as a share of the largest force shown."""
 _GRID_SHOWN = 64
 _PANEL_IN, _GAP_IN, _TITLE_IN, _HEADING_IN = 1.7, 0.09, 0.62, 1.05
 

@@ -8,7 +8,7 @@ import pytest
 from tests.vtbench.data import fakes
 from vtbench.data import Dataset, import_folder, write_dataset
 from vtbench.data.fabricslide16 import FabricSlide16
-from vtbench.show import contact_sheet, difference, force_history, pick_samples, show, slide_traces
+from vtbench.show import contact_sheet, difference, force_history, line_styles, pick_samples, show, slide_traces
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +68,26 @@ def test_the_same_dataset_gives_the_same_picture(folder, tmp_path):
 def test_one_press_in_time_depends_on_the_press(folder, tmp_path):
     first = force_history(folder, 0, tmp_path / "a.png").read_bytes()
     assert first != force_history(folder, 1, tmp_path / "b.png").read_bytes()
+
+
+def inked(style, at):
+    """Whether a line of this Matplotlib style has ink at the places `at`, in line widths from its start."""
+    if style == "-":
+        return np.ones(at.shape, bool)
+    offset, (dash, gap) = style
+    return (at + offset) % (dash + gap) < dash
+
+
+def test_traces_on_one_another_take_turns_and_none_is_hidden():
+    rng = np.random.default_rng(0)
+    press = np.sin(np.linspace(0, np.pi, 200))
+    series = np.outer(press, [1.5, 1.5, 1.5, 1.0, 0.6, 0.6]) + 1e-3 * rng.standard_normal((200, 6))
+    styles = line_styles(series, 0.03)
+    assert [style == "-" for style in styles] == [False, False, False, True, False, False]
+    at = np.arange(0.5, 150.0)
+    for together in ((0, 1, 2), (4, 5)):
+        np.testing.assert_array_equal(sum(inked(styles[trace], at).astype(int) for trace in together), 1)
+    assert set(line_styles(series, 1e-6)) == {"-"}
 
 
 def test_imported_frames_without_history_or_square_array_are_drawn(tmp_path):
