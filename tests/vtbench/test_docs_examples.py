@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from vtbench.cli import main
+from vtbench.config import load_scene, load_suite
 
 DOCS = Path(__file__).parents[2] / "vtbench" / "docs"
 
@@ -44,6 +45,19 @@ def test_your_own_method_reaches_the_board(place, capsys):
     board = (place / "out/board/board.md").read_text()
     assert "nearest-mean" in board
     assert "failed" not in capsys.readouterr().out
+
+
+def test_a_scene_of_your_own_stands_beside_the_suite(place, monkeypatch):
+    write_files("own-method.md", place)
+    (said,) = re.findall(r"its dataset is then `(.+)`\.", (DOCS / "own-method.md").read_text(encoding="utf-8"))
+    suite = place / "my-suite.yaml"
+    suite.write_text(re.sub(r"\{id: paper, .*\}", said, suite.read_text()))
+    (place / "elsewhere").mkdir()
+    monkeypatch.chdir(place / "elsewhere")
+    (dataset,) = load_suite("../my-suite.yaml").datasets
+    scene = load_scene(dataset.scene)
+    assert (scene.id, scene.object_names[0], scene.load.deep_n) == ("my-coins", "coin-1-euro", 6.0)
+    assert dataset.samples <= scene.n_samples
 
 
 def record(folder):

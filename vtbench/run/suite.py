@@ -50,7 +50,7 @@ class DatasetSpec(_Part):
 
     Attributes:
         id: name of the dataset; entries find it as the variant of that name.
-        scene: scene to simulate, such as `fvsight-press/hard`.
+        scene: scene to simulate, such as `fvsight-press/hard`, or a YAML file of one's own beside the suite.
         path: folder of a dataset instead, relative to the current folder.
         samples: number of presses or trials, the scene's full protocol by default.
         seed: run seed.
