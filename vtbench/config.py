@@ -28,6 +28,7 @@ _OF_SUITES = {"entries", "datasets"}
 """Keys that a suite has and a scene never."""
 
 _OWN_FILE = re.compile(r"(.+\.ya?ml)(?:/([^/]+))?")
+_VARIATION = re.compile(r"[^\s/\\|.][^\s/\\|]*")
 
 
 def deep_merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
@@ -253,8 +254,8 @@ def _variations(file: YamlFile) -> dict[str, dict[str, Any]]:
     if not isinstance(found, dict):
         raise ValueError(f"{where}: expected a mapping of names to changed keys, got {found!r}")
     for name, changes in found.items():
-        if not isinstance(name, str) or "/" in name:
-            raise ValueError(f"{where}: expected a name without '/', got {name!r}")
+        if not isinstance(name, str) or not _VARIATION.fullmatch(name):
+            raise ValueError(f"{where}: expected a name without '/', '|' or blanks, got {name!r}")
         if not isinstance(changes, dict | type(None)):
             raise ValueError(f"{where}.{name}: expected a mapping of changed keys, got {changes!r}")
     return {name: changes or {} for name, changes in found.items()}

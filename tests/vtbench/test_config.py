@@ -131,7 +131,8 @@ def test_an_unknown_scene_is_refused(name, message):
         ({"objects": ["coin-1-eur"]}, "no household object is called 'coin-1-eur'; did you mean 'coin-1-euro'"),
         ({"variations": [1]}, "variations: expected a mapping of names to changed keys"),
         ({"variations": {"a": 3}}, "variations.a: expected a mapping of changed keys, got 3"),
-        ({"variations": {"a/b": {}}}, "variations: expected a name without '/', got 'a/b'"),
+        ({"variations": {"a/b": {}}}, "variations: expected a name without '/', .* got 'a/b'"),
+        ({"variations": {"a b": {}}}, r"yaml:\d+: variations: expected a name without .* or blanks, got 'a b'"),
         (
             {"kind": "push"},
             r"yaml:\d+: kind: expected 'press' \(.+\) or 'slide' \(.+\), got 'push'; .* 'press'\?",
