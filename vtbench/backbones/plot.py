@@ -54,7 +54,7 @@ def draw_error_against_speed(path: Path, found: Sequence[Score], ms_of: Mapping[
         axes.set_xlabel("CPU ms a frame, one thread")
         axes.tick_params(labelbottom=True)
     for axes in grid[:, 0]:
-        axes.set_ylabel("error, %")
+        axes.set_ylabel(f"error, % ({_LEAST_ERROR:g}: that or less)")
     _legend(figure, backbones, methods)
     figure.tight_layout(rect=(0, 0, 1, 1 - 0.45 / figure.get_figheight()))
     figure.savefig(path, dpi=130)
