@@ -17,7 +17,7 @@ import numpy as np
 import scipy.linalg.lapack
 from numpy.typing import NDArray
 
-from sensors.contact.nested import check_levels, coarsened
+from sensors.contact.levels import check_levels, coarsened
 from sensors.contact.operator import Compliance, WindowedCompliance
 from sensors.contact.solver import ContactSolution, ConvergenceError, check_load, finite_window, solve_load
 

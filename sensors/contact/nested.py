@@ -1,29 +1,31 @@
 """A large contact solved on coarser grids first: where it touches and how hard is nearly known on the finest.
 
-The finest solve sees the coarse contact and a margin only; what lies beyond is checked against penetration, and if it
-penetrates the whole surface is solved.
+The coarsest contacts have few cells and are solved directly. The finest solve sees the coarse contact and a margin
+only; what lies beyond is checked against penetration, and if it penetrates the whole surface is solved.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sensors.contact.operator import Compliance
+from sensors.contact.direct import DenseCompliance, solve_load_direct
+from sensors.contact.levels import check_levels, coarsened
 from sensors.contact.solver import NO_SURFACE, ContactSolution, solve_load
 
 Floats = NDArray[np.floating]
 
 _COARSE_TOLERANCE = 1e-3
+_DIRECT_SIDE = 16
+"""Cells of a side up to which a dense solve is the cheaper one, whatever touches."""
 _MARGIN = 2
 """Coarse cells kept around the coarse contact."""
 
 
-class NestedCompliance(Compliance, Protocol):
+class NestedCompliance(DenseCompliance, Protocol):
     """A compliance that also gives the displacement of the whole grid."""
 
     def displacement(self, pressure: Floats) -> Floats:
@@ -39,8 +41,8 @@ def solve_load_nested(
     `gap` (n, n) is on the finest grid. Raises ValueError where the levels do not double, and as `solve_load` does.
     """
     check_levels(levels)
-    if len(levels) == 1:
-        return solve_load(levels[0], gap, force_n, tolerance=tolerance)
+    if len(levels) == 1 or levels[-1].grid.n <= _DIRECT_SIDE:
+        return solve_load_direct(levels, gap, force_n, tolerance=tolerance)
     coarse = solve_load_nested(levels[:-1], coarsened(gap), force_n, tolerance=max(tolerance, _COARSE_TOLERANCE))
     if not coarse.contact.any():
         return solve_load(levels[-1], gap, force_n, tolerance=tolerance)
@@ -51,23 +53,6 @@ def solve_load_nested(
     if (opening[~near] >= -tolerance * abs(solution.indentation_m)).all():
         return solution
     return solve_load(levels[-1], gap, force_n, initial=solution.pressure, tolerance=tolerance)
-
-
-def check_levels(levels: Sequence[Compliance]) -> None:
-    """ValueError where the cells of a side do not double from each level to the next."""
-    sizes = [level.grid.n for level in levels]
-    if not levels or any(fine != 2 * coarse for coarse, fine in pairwise(sizes)):
-        raise ValueError(f"nested grids must double from the coarsest to the finest, got {sizes}")
-
-
-def coarsened(gap: Floats) -> Floats:
-    """Mean gap of each two by two cells that hold a surface; none where none does."""
-    n = gap.shape[0] // 2
-    blocks = gap.reshape(n, 2, n, 2)
-    there = np.isfinite(blocks)
-    count = there.sum(axis=(1, 3))
-    total = np.where(there, blocks, 0).sum(axis=(1, 3))
-    return np.where(count > 0, total / np.maximum(count, 1), NO_SURFACE)
 
 
 def _around(contact: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from sensors.contact.grid import Grid
 from sensors.contact.influence import translated
 
+_MOST_WINDOWS = 4
+"""Windows kept by their shape, the latest used: along a path most come back."""
+
 
 def padded_wave_numbers(grid: Grid) -> NDArray[np.float64]:
     """|k| in rad/m of the real FFT on the domain of twice the grid's size, shape (2n, n + 1)."""
@@ -36,6 +39,7 @@ class SpectralCompliance:
         size = (2 * grid.n, 2 * grid.n)
         self._kernel: NDArray[np.floating] = scipy.fft.irfft2(self._symbol, size)
         self._inverse_kernel: NDArray[np.floating] = scipy.fft.irfft2(self._inverse, size)
+        self._windows: dict[tuple[int, int], SpectralWindow] = {}
 
     def filter(self, field: NDArray[np.floating], symbol: NDArray[np.floating]) -> NDArray[np.floating]:
         """Apply a symbol of the padded domain to an (n, n) field; returns (n, n)."""
@@ -60,7 +64,11 @@ class SpectralCompliance:
     def window(self, rows: slice, columns: slice) -> SpectralWindow:
         """The compliance inside a rectangle: the same influence coefficients, on a smaller FFT."""
         shape = (rows.stop - rows.start, columns.stop - columns.start)
-        return SpectralWindow(shape, self._kernel, self._inverse_kernel)
+        kept = self._windows.pop(shape, None) or SpectralWindow(shape, self._kernel, self._inverse_kernel)
+        self._windows[shape] = kept
+        if len(self._windows) > _MOST_WINDOWS:
+            del self._windows[next(iter(self._windows))]
+        return kept
 
 
 class SpectralWindow:

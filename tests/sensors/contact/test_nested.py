@@ -35,13 +35,28 @@ def spot(n):
 
 @pytest.mark.parametrize("make", [ball, two_tips, spot])
 @pytest.mark.parametrize("force_n", [1e-3, 0.5])
-def test_the_solution_is_that_of_the_finest_grid(make, force_n):
-    gap, nested = make(64), levels(16, 32, 64)
+@pytest.mark.parametrize("sizes", [(16, 32, 64), (8, 16, 32, 64), (64,)])
+def test_the_solution_is_that_of_the_finest_grid(make, force_n, sizes):
+    gap, nested = make(64), levels(*sizes)
     found = solve_load_nested(nested, gap, force_n, tolerance=1e-7)
     alone = solve_load(nested[-1], gap, force_n, tolerance=1e-7)
     assert found.force_n == pytest.approx(force_n)
     assert found.indentation_m == pytest.approx(alone.indentation_m, rel=1e-4)
     assert np.linalg.norm(found.pressure - alone.pressure) < 1e-3 * np.linalg.norm(alone.pressure)
+
+
+def test_a_window_that_comes_back_is_not_made_again_and_few_are_kept():
+    space = HalfSpaceCompliance(Grid(32, SIDE), 1e6)
+    pressure = np.random.default_rng(0).random((32, 32))
+    first = space.window(slice(3, 12), slice(5, 20))
+    assert space.window(slice(9, 18), slice(0, 15)) is first  # a filter does not depend on the place
+    for stop in range(13, 30):
+        cut = (slice(3, stop), slice(5, 20))
+        inside = np.zeros_like(pressure)
+        inside[cut] = pressure[cut]
+        found = space.window(*cut).displacement(pressure[cut])
+        np.testing.assert_allclose(found, space.displacement(inside)[cut], rtol=1e-12)
+    assert space.window(slice(3, 12), slice(5, 20)) is not first
 
 
 def test_no_load_is_no_contact():
