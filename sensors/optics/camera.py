@@ -103,14 +103,10 @@ class Camera:
         levels = self.clean(modes, gain)
         if weave is not None:
             levels *= np.asarray(weave, np.float32)
+        if self.parameters.view == "full":
+            levels = _beside_housing(levels)
         read_variance, shot_variance = (0.0, 0.0) if rng is None else self._noise_variance
-        frame = expose(levels, random_words(rng, levels.size), normal_table(), read_variance, shot_variance)
-        if self.parameters.view != "full":
-            return frame
-        whole = np.full((NATIVE_ROWS, NATIVE_COLUMNS, 3), _HOUSING_GREY, np.uint8)
-        left = (NATIVE_COLUMNS - NATIVE_ROWS) // 2
-        whole[:, left : left + NATIVE_ROWS] = frame
-        return whole
+        return expose(levels, random_words(rng, levels.size), normal_table(), read_variance, shot_variance)
 
     def shift_shape(self, modes: NDArray[np.floating]) -> NDArray[np.float32]:
         """Values (rows, columns) at the pixels of an in-plane displacement with sine `modes`."""
@@ -134,6 +130,14 @@ class Camera:
         sine_x, cosine_x = self._across
         sine_y, cosine_y = self._down
         return sine_y @ modes @ cosine_x.T, cosine_y @ modes @ sine_x.T
+
+
+def _beside_housing(levels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The whole frame (3, 720, 1280) around its centre square (3, 720, 720); the housing has read noise as well."""
+    whole = np.full((3, NATIVE_ROWS, NATIVE_COLUMNS), _HOUSING_GREY, np.float32)
+    left = (NATIVE_COLUMNS - NATIVE_ROWS) // 2
+    whole[:, :, left : left + NATIVE_ROWS] = levels
+    return whole
 
 
 def _bases(

@@ -86,6 +86,15 @@ def test_noise_has_the_stated_size_and_no_bias():
     assert error[:, inside].mean() == pytest.approx(0, abs=0.02)
 
 
+def test_the_housing_is_as_noisy_as_the_skin_is_dark():
+    p = CameraParameters()
+    frame = camera("full").capture(None, np.random.default_rng(3)).astype(float)
+    sides = np.concatenate((frame[:, :280], frame[:, 1000:]), axis=1)
+    assert sides.mean() == pytest.approx(12, abs=0.02)
+    assert sides.std() == pytest.approx(np.sqrt(p.read_noise**2 + p.shot_noise**2 * 12 / 255 + 1 / 12), rel=0.02)
+    assert np.ptp(camera("full").capture(None, None)[:, :280]) == 0
+
+
 def test_same_generator_same_frame():
     eye = camera()
     frames = [eye.capture(bump(), np.random.default_rng(5)) for _ in range(2)]
