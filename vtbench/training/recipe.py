@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterator
 from dataclasses import asdict, astuple, dataclass
@@ -66,6 +65,7 @@ def train_backbone(
 
     check_device(settings.device)
     make_folder(path.parent)
+    commit = _commit()
     torch.set_num_threads(settings.threads)
     plan, check = TrainingPlan(settings.seed, settings.images), ValidationPlan()
     presses = training_presses(plan, data, settings.jobs, progress)
@@ -97,7 +97,7 @@ def train_backbone(
         "evidence": asdict(ours),
         "precision": "bfloat16 products" if reduced_precision(settings.device) else "float32",
         "date": datetime.now(UTC).date().isoformat(),
-        "commit": _commit(),
+        "commit": commit,
         "torch": str(torch.__version__),
     }
     size = write_model(path, fitted.weights, story)
@@ -138,4 +138,4 @@ def _commit() -> str:
     """The commit of the working tree, with a mark where files differ from it; empty outside a clone."""
     from vtbench.run.provenance import provenance
 
-    return json.dumps(provenance().get("commit"))
+    return str(provenance().get("commit") or "")
