@@ -52,9 +52,9 @@ _UNIT_ENTROPY = 0x5F5349
 class FVSightParameters(BaseModel):
     """What can be set on an FVSight; every length, force and angle carries its unit in its name."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    region_mm: float = Field(80.0, gt=0, description="side of the square sensing region")
+    region_mm: float = Field(80.0, gt=0, le=500, description="side of the square sensing region")
     support: Literal["hollow", "plate"] = Field(
         "hollow",
         description="hollow: the skin spans the housing and the camera sees its inner face; plate: the film is bonded "
@@ -65,9 +65,9 @@ class FVSightParameters(BaseModel):
         description="elastic: the skin or the bonded layer; springs: independent ones in the layer's place (winkler), "
         "on a plate alone: cheap, good for the taxels' forces, wrong about the surface beside the contact",
     )
-    tension_n_per_m: float = Field(600.0, gt=0, description="stretch of the skin over its frame")
-    film_thickness_mm: float = Field(1.5, gt=0)
-    film_modulus_mpa: float = Field(5.0, gt=0)
+    tension_n_per_m: float = Field(600.0, gt=0, le=1e6, description="stretch of the skin over its frame")
+    film_thickness_mm: float = Field(1.5, gt=0, le=200)
+    film_modulus_mpa: float = Field(5.0, gt=0, le=1e6)
     film_poisson: float = Field(0.45, ge=0, le=0.5)
     grid: int = Field(128, ge=16, le=512, multiple_of=4, description="cells along a side of the contact grid")
     view: View = Field("region", description="what the camera stores: region, native_crop or full")
@@ -76,23 +76,23 @@ class FVSightParameters(BaseModel):
         gt=0,
         description="a press is refused where neglected stretching makes the deflection this much too large",
     )
-    force_noise_mv: float = Field(1.0, ge=0)
+    force_noise_mv: float = Field(1.0, ge=0, le=1000)
     hysteresis: bool = True
     creep: bool = Field(True, description="of a preset that creeps: false leaves its creep and overshoot out")
     camera_noise: bool = True
-    tension_spread: float = Field(0.05, ge=0, description="standard deviation between units, relative")
-    taxel_gain_spread: float = Field(0.03, ge=0, description="between taxels of a unit, relative conductance")
-    unit_gain_spread: float = Field(0.02, ge=0, description="between units, relative conductance")
-    led_power_spread: float = Field(0.08, ge=0, description="between the LEDs of all units, relative")
-    led_azimuth_spread_deg: float = Field(3.0, ge=0)
-    camera_offset_mm: float = Field(0.5, ge=0, description="between units, each axis")
+    tension_spread: float = Field(0.05, ge=0, le=0.5, description="standard deviation between units, relative")
+    taxel_gain_spread: float = Field(0.03, ge=0, le=0.5, description="between taxels of a unit, relative conductance")
+    unit_gain_spread: float = Field(0.02, ge=0, le=0.5, description="between units, relative conductance")
+    led_power_spread: float = Field(0.08, ge=0, le=0.5, description="between the LEDs of all units, relative")
+    led_azimuth_spread_deg: float = Field(3.0, ge=0, le=45)
+    camera_offset_mm: float = Field(0.5, ge=0, le=10, description="between units, each axis")
     own_cloth: bool = Field(True, description="each unit has threads of its own")
     taxels: Preset = Field("fvsight", description="velostat: a bare sheet that creeps, overshoots and varies by press")
     scanning: Scanning = Field("isolated", description="what the rows that are not read do: ghosts where they float")
     dead_taxels: tuple[int, ...] = Field((), description="open circuits, by number from 0, row by row")
-    session_gain_drift: float = Field(0.01, ge=0, description="between sessions, per taxel, relative force")
-    session_offset_n: float = Field(0.02, ge=0, description="between sessions, per taxel, after taring")
-    session_light_drift: float = Field(0.02, ge=0, description="between sessions, per colour channel, relative")
+    session_gain_drift: float = Field(0.01, ge=0, le=0.5, description="between sessions, per taxel, relative force")
+    session_offset_n: float = Field(0.02, ge=0, le=10, description="between sessions, per taxel, after taring")
+    session_light_drift: float = Field(0.02, ge=0, le=0.5, description="between sessions, per colour channel, relative")
 
     @model_validator(mode="before")
     @classmethod
@@ -169,6 +169,8 @@ class FVSightUnit:
         taxel_gain = parameters.taxel_gain_spread * traits.standard_normal(TAXELS_PER_SIDE**2)
         self.taxel_gain = (1 + unit_gain) * (1 + taxel_gain)
         self._led_power = 1 + parameters.led_power_spread * traits.standard_normal(3)
+        _refuse_dead(f"unit {unit}", "unit_gain_spread or taxel_gain_spread", np.append(self.taxel_gain, 1 + unit_gain))
+        _refuse_dead(f"unit {unit}", "led_power_spread", self._led_power)
         self._led_turn = parameters.led_azimuth_spread_deg * traits.standard_normal(3)
         self._camera_offset = parameters.camera_offset_mm * 1e-3 * traits.standard_normal(2)
         self._cloth_rng = np.random.default_rng([_UNIT_ENTROPY, unit if parameters.own_cloth else 0, 1])
@@ -290,15 +292,18 @@ class FVSightUnit:
         return tiles.ravel().astype(np.float64)
 
     def session(self, rng: np.random.Generator | None) -> Session:
-        """Draw a session's drift; None is a session without any."""
+        """Draw a session's drift; None is a session without any. ValueError where a drift turns a factor over."""
         p, taxels = self.parameters, TAXELS_PER_SIDE**2
         if rng is None:
             return Session(np.ones(taxels), np.zeros(taxels), np.ones(3))
-        return Session(
+        drawn = Session(
             1 + p.session_gain_drift * rng.standard_normal(taxels),
             p.session_offset_n * rng.standard_normal(taxels),
             1 + p.session_light_drift * rng.standard_normal(3),
         )
+        _refuse_dead(f"a session of unit {self.unit}", "session_gain_drift", drawn.gain)
+        _refuse_dead(f"a session of unit {self.unit}", "session_light_drift", drawn.light)
+        return drawn
 
     def read(self, load: NDArray[np.float64], session: Session, rng: np.random.Generator | None) -> NDArray[np.float32]:
         """Read-back forces (T, 16) in newtons for true taxel loads (T, 16)."""
@@ -317,6 +322,12 @@ class FVSightUnit:
         `weave` is what a drag in the plane does to the cloth, by `Camera.dragged_weave`.
         """
         return self.camera.capture(modes, rng if self.parameters.camera_noise else None, session.light, weave)
+
+
+def _refuse_dead(whose: str, spread: str, factors: NDArray[np.float64]) -> None:
+    """ValueError where a wide spread draws a factor <= 0: no taxel reads less where more is on it, no light is dark."""
+    if not (factors > 0).all():
+        raise ValueError(f"{whose} draws a factor of {factors.min():.2g}, which must be > 0: lower {spread}")
 
 
 @lru_cache(maxsize=4)

@@ -54,3 +54,44 @@ def test_creep_is_an_effect_that_is_named_where_it_is_switched_only():
     assert still.model_dump()["effects"]["creep"] is still.effective_sensor().model_dump()["creep"] is False
     assert still.effective_sensor() == plain.sensor.model_copy(update={"creep": False})
     assert PressScene(**still.model_dump(mode="json")) == still
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"region_mm": 1e6},
+        {"film_thickness_mm": np.inf},
+        {"film_modulus_mpa": np.inf},
+        {"session_gain_drift": 3},
+        {"session_offset_n": np.inf},
+        {"session_light_drift": 1000},
+        {"unit_gain_spread": 3},
+        {"taxel_gain_spread": 50},
+        {"led_power_spread": 100},
+        {"led_azimuth_spread_deg": 400},
+        {"camera_offset_mm": 500},
+        {"tension_spread": np.nan},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_a_sensor_that_cannot_be_is_refused_by_the_name_of_what_makes_it(change):
+    with pytest.raises(ValueError, match=next(iter(change))):
+        FVSightParameters(**change)
+
+
+def draws_living_factors(parameters, number):
+    try:
+        unit = FVSightUnit(parameters, number)
+        session = unit.session(np.random.default_rng(number))
+    except ValueError:
+        return False
+    assert min(unit.taxel_gain.min(), session.gain.min(), session.light.min()) > 0
+    return True
+
+
+def test_every_factor_that_a_wide_spread_draws_is_positive_or_refused():
+    wide = FVSightParameters(grid=16, taxel_gain_spread=0.5, session_gain_drift=0.4)
+    alive = [draws_living_factors(wide, number) for number in range(20)]
+    assert set(alive) == {True, False}
+    with pytest.raises(ValueError, match=r"unit .* draws a factor of -.* must be > 0: lower .*gain_spread"):
+        [FVSightUnit(wide, number) for number in range(20)]
