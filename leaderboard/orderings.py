@@ -6,11 +6,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from leaderboard.names import USUAL_BACKBONE
 from leaderboard.paired import MARGIN
 from leaderboard.paper import FIGURES
 from leaderboard.record import Record
 from leaderboard.tally import Tallies
-from leaderboard.versus import Versus, compare_pairs, name_of, protocol_of, usable
+from leaderboard.versus import Versus, compare_pairs, protocol_of, usable
 
 READINGS = {
     "frames, equal weights: the paper's own": ("image", "fused-equal"),
@@ -34,10 +35,12 @@ _WORDS: dict[str, Word] = {
 class Ordering:
     """One claim on one protocol: `result.first` is the better one in the source; its figures in percent, if printed.
 
-    `reading` is one of `READINGS`; verdicts are adjusted over its claims on one protocol.
+    `reading` is one of `READINGS`, `backbone` what its frames went through, empty where no method saw any; verdicts are
+    adjusted over its claims on one protocol.
     """
 
     reading: str
+    backbone: str
     result: Versus
     paper: tuple[float, float] | None
 
@@ -50,27 +53,43 @@ class Ordering:
 def orderings(
     records: Iterable[Record], tallies: Tallies, near: Mapping[str, str], margin: float = MARGIN
 ) -> list[Ordering]:
-    """Return what was found of each claim that two scored records of one protocol can judge, by protocol and reading.
+    """Return what was found of each claim that two scored records of one protocol can judge, by backbone and reading.
 
-    A claim that two readings share, such as that of force alone, stands with the first. Arguments as those of
-    `versus.compare_pairs`.
+    Frames of one backbone are compared with each other, and with force alone. A claim that two readings or backbones
+    share, such as that of force alone, stands with the first. Arguments as those of `versus.compare_pairs`.
     """
-    protocols: dict[tuple[str, ...], dict[str, Record]] = {}
+    protocols: dict[tuple[str, ...], list[Record]] = {}
     for record in usable(records):
-        protocols.setdefault(protocol_of(record), {})[name_of(record)] = record
+        protocols.setdefault(protocol_of(record), []).append(record)
     made = []
-    for protocol, there in protocols.items():
+    for (task, *_), rows in protocols.items():
         seen: set[tuple[str, str]] = set()
-        for reading, feeds in READINGS.items():
-            claims = [c for c in _claims(protocol[0], *feeds) if c[0] in there and c[1] in there and c not in seen]
-            seen.update(claims)
-            pairs = [(there[first], there[second]) for first, second in claims]
-            results = compare_pairs(pairs, (tallies, tallies), near, margin)
-            made += [
-                Ordering(reading, result, _figures(protocol[0], *claim))
-                for claim, result in zip(claims, results, strict=True)
-            ]
+        for backbone, there in _by_backbone(rows).items():
+            for reading, feeds in READINGS.items():
+                claims = [c for c in _claims(task, *feeds) if c[0] in there and c[1] in there]
+                new = {c: (there[c[0]], there[c[1]]) for c in claims}
+                new = {c: pair for c, pair in new.items() if (pair[0].key, pair[1].key) not in seen}
+                seen |= {(first.key, second.key) for first, second in new.values()}
+                results = compare_pairs(list(new.values()), (tallies, tallies), near, margin)
+                made += [
+                    Ordering(reading, backbone, result, _figures(task, *claim))
+                    for claim, result in zip(new, results, strict=True)
+                ]
     return made
+
+
+def _by_backbone(records: Iterable[Record]) -> dict[str, dict[str, Record]]:
+    """Return records by `method@modality` for each backbone, the usual one first; those without frames are in all."""
+    rows = list(records)
+    named = sorted({_backbone(r) for r in rows} - {""}, key=lambda name: (name != USUAL_BACKBONE, name)) or [""]
+    return {
+        name: {f"{r.identity.method}@{r.identity.modality}": r for r in rows if _backbone(r) in ("", name)}
+        for name in named
+    }
+
+
+def _backbone(record: Record) -> str:
+    return str(record.identity.params.get("backbone", ""))
 
 
 def _claims(task: str, image: str, fused: str) -> Iterable[tuple[str, str]]:

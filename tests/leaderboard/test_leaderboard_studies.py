@@ -114,6 +114,34 @@ def test_one_support_against_a_code_each_has_no_figure_of_the_paper(make_record:
     assert each.paper is None
 
 
+def test_frames_of_each_backbone_are_ordered_among_themselves(make_record: RecordFactory) -> None:
+    """Forces alone belong to all of them, frames of two backbones are never each other's."""
+
+    def made(method: str, modality: str, backbone: str = "") -> Record:
+        who = {"method": method, "modality": modality, "task": "pairing/v1"}
+        return make_record(**who, params={"backbone": backbone} if backbone else {})
+
+    ours = [made("jksc", "fused-equal", "vt-vgg"), made("svm", "fused-equal", "vt-vgg"), made("ksc", "image", "vt-vgg")]
+    forces = [made("ksc", "force"), made("knn", "force")]
+    found = {
+        (each.backbone, name_of(each.result.first), name_of(each.result.second)) for each in orderings(ours, {}, {})
+    }
+    jksc = "jksc@fused-equal@vt-vgg"
+    assert found == {("vt-vgg", jksc, "svm@fused-equal@vt-vgg"), ("vt-vgg", jksc, "ksc@image@vt-vgg")}
+
+    usual = [made("jksc", "fused-equal", "efficientnet-lite0"), made("knn", "fused-equal", "efficientnet-lite0")]
+    both = orderings([*ours, *forces, *usual], {}, {})
+    framed = [
+        {r.identity.params["backbone"] for r in (each.result.first, each.result.second) if r.identity.params}
+        for each in both
+    ]
+    assert all(used <= {each.backbone} for used, each in zip(framed, both, strict=True))
+    assert [each.backbone for each in both] == sorted(each.backbone for each in both)  # the usual one first
+    assert framed.count(set()) == 1  # forces alone are judged once
+    against_force = [each.backbone for each in both if name_of(each.result.second) == "ksc@force"]
+    assert against_force.count("vt-vgg") == against_force.count("efficientnet-lite0") == 1
+
+
 @pytest.mark.parametrize("records", [[], ["knn"]])
 def test_nothing_to_order_is_nothing(make_record: RecordFactory, records: list[str]) -> None:
     assert orderings([make_record(method=name) for name in records], {}, {}) == []

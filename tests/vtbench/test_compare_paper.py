@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from leaderboard.baselines import read_baselines
-from leaderboard.record import write_record
+from leaderboard.names import USUAL_BACKBONE
+from leaderboard.record import record_key, write_record
 from leaderboard.tally import write_tally
 
 
@@ -56,6 +57,25 @@ def test_the_table_names_what_holds(run, vtbench):
     assert "98.9 : 91.3" in text
     assert "Holm-adjusted" in text
     assert "held-out-unit" not in text
+
+
+def test_another_backbone_keeps_its_orderings_and_stands_in_the_heading(run, vtbench, tmp_path):
+    """The records of the usual backbone say the same under another one's name."""
+    records, tallies = read_baselines()
+    for record in records:
+        who = record.identity
+        kept = who.task == "objects/deep/v1" and who.modality in ("force", "image", "fused-equal")
+        if kept and who.params.get("backbone", USUAL_BACKBONE) == USUAL_BACKBONE:
+            other = {"backbone": "mine"} if "backbone" in who.params else {}
+            identity = who.model_copy(update={"params": {**who.params, **other}})
+            renamed = record.model_copy(update={"identity": identity, "key": record_key(identity)})
+            write_tally(write_record(tmp_path, renamed), tallies[record.key])
+    usual, ours = (json.loads(vtbench("compare", at, "--paper", "--json").out)["rows"] for at in (run, tmp_path))
+    expected = [(row["values"], row["word"]) for row in usual if row["backbone"] == USUAL_BACKBONE]
+    assert expected
+    assert [(row["values"], row["word"]) for row in ours] == expected
+    assert {row["backbone"] for row in ours} == {"mine"}
+    assert "equal weights: the paper's own; mine" in vtbench("compare", tmp_path, "--paper").out
 
 
 def test_what_cannot_be_ordered_is_refused(run, refused, tmp_path):

@@ -20,7 +20,7 @@ WORDS = ("holds", "reversed", "equal here", "not shown")
 def print_orderings(
     records: Sequence[Record], tallies: Mapping[str, Tally], near: Mapping[str, str], args: Namespace
 ) -> int:
-    """Print every ordering that the run can judge, by protocol.
+    """Print every ordering that the run can judge, by protocol, reading and backbone.
 
     Raises:
         ValueError: the run holds no two methods that the paper orders.
@@ -39,9 +39,9 @@ def print_orderings(
     blocks: dict[tuple[str, ...], list[Ordering]] = {}
     for each in found:
         who = each.result.first.identity
-        blocks.setdefault((who.task, who.variant, who.split, each.reading), []).append(each)
+        blocks.setdefault((who.task, who.variant, who.split, each.reading, each.backbone), []).append(each)
     for names, block in blocks.items():
-        print(f"{', '.join(names[:3])}; {names[3]}\n")
+        print("; ".join([", ".join(names[:3]), *filter(None, names[3:])]) + "\n")
         heads = ("better in the paper", "than", "paper, %", "here, %", "difference", "95 % interval", "here", "note")
         print_table(heads, [_row(each) for each in sorted(block, key=lambda each: WORDS.index(each.word))])
         for warning in dict.fromkeys(each.result.coverage for each in block if each.result.coverage):
@@ -84,6 +84,7 @@ def _plain(each: Ordering) -> dict[str, Any]:
         "variant": who.variant,
         "split": who.split,
         "reading": each.reading,
+        "backbone": each.backbone,
         "better_in_paper": name_of(result.first),
         "than": name_of(result.second),
         "paper_percent": each.paper,
