@@ -29,6 +29,7 @@ from sensors.contact.grid import Grid
 from sensors.contact.layer import LayerCompliance, LayerMaterial
 from sensors.contact.skin import SkinCompliance, SkinMaterial, sine_basis
 from sensors.contact.solver import ContactSolution
+from sensors.contact.thickness import refuse_through
 from sensors.contact.winkler import WinklerBed, fit_winkler
 from sensors.electronics.piezoresistive import PRESETS, PiezoresistiveChain, Preset
 from sensors.electronics.scanning import Scanning
@@ -240,7 +241,8 @@ class FVSightUnit:
     ) -> Press:
         """Press an object of `gap` (n, n; metres, inf where there is none) with `load_n`; one contact solve.
 
-        Raises ValueError where the skin would sink so far that its linear model is off by more than `stretching_bound`.
+        Raises ValueError where the skin would sink so far that its linear model is off by more than `stretching_bound`,
+        or a film on a plate as far as it is thick.
         """
         return self.observe(self.solve(gap, load_n, initial, tolerance))
 
@@ -253,10 +255,13 @@ class FVSightUnit:
     ) -> ContactSolution:
         """The contact alone; see `press`."""
         if self.springs is not None:
-            return self.springs.solve_load(gap, load_n)
-        contact = solve_load_direct(self.levels, gap, load_n, initial=initial, tolerance=tolerance)
+            contact = self.springs.solve_load(gap, load_n)
+        else:
+            contact = solve_load_direct(self.levels, gap, load_n, initial=initial, tolerance=tolerance)
         if self.parameters.support == "hollow":
             self._refuse_stretching(contact.indentation_m, load_n)
+        else:
+            refuse_through(contact, self.skin.film.thickness_m)
         return contact
 
     def observe(self, contact: ContactSolution) -> Press:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from sensors.contact.grid import Grid
 from sensors.contact.layer import LayerCompliance, LayerMaterial
 from sensors.contact.solver import NO_SURFACE, ContactSolution, solve_indentation, solve_load
+from sensors.contact.thickness import refuse_depth, refuse_through
 
 
 @dataclass(frozen=True)
@@ -39,13 +40,17 @@ class GelPad:
         `initial` (n, n) is a pressure to start from, as along a path of indentations.
 
         Raises:
-            ValueError: neither or both of load and depth, a wrong shape, or a load that nothing carries.
+            ValueError: neither or both of load and depth, a wrong shape, a load that nothing carries, or a press as
+                deep as the gel is thick.
         """
         if (load_n is None) == (depth_mm is None):
             raise ValueError(f"a press needs load_n or depth_mm, one of them: got load_n={load_n}, depth_mm={depth_mm}")
         if load_n is not None:
-            return solve_load(self.compliance, gap, load_n, initial=initial)
+            contact = solve_load(self.compliance, gap, load_n, initial=initial)
+            refuse_through(contact, self.material.thickness_m)
+            return contact
         assert depth_mm is not None
+        refuse_depth(depth_mm * 1e-3, self.material.thickness_m)
         return solve_indentation(self.compliance, gap, depth_mm * 1e-3, initial=initial)
 
     def displacement(self, contact: ContactSolution) -> NDArray[np.floating]:
@@ -66,7 +71,8 @@ def press_ball_to_radius(
 ) -> ContactSolution:
     """The press of a ball whose contact circle has the given radius, by bisection on the depth.
 
-    The radius of a contact is that of the circle of its area. ValueError where the ball is not wider than the contact.
+    The radius of a contact is that of the circle of its area. ValueError where the ball is not wider than the contact,
+    or the gel not as thick as the press is deep.
     """
     if not 0 < contact_radius_m < ball_radius_m:
         raise ValueError(
@@ -79,12 +85,14 @@ def press_ball_to_radius(
     for _ in range(_BISECTIONS):
         depth = (shallow + deep) / 2
         initial = None if contact is None else contact.pressure
-        contact = pad.solve(gap, depth_mm=depth * 1e3, initial=initial)
+        # on the way the bisection may look deeper than the gel is thick
+        contact = solve_indentation(pad.compliance, gap, depth, initial=initial)
         if contact_radius(contact) < contact_radius_m:
             shallow = depth
         else:
             deep = depth
     assert contact is not None
+    refuse_through(contact, pad.material.thickness_m)
     return contact
 
 

@@ -128,6 +128,14 @@ def test_pressure_carries_the_load(sensor):
     assert contact.force_n == pytest.approx(load_n, rel=0.01)
 
 
+@pytest.mark.parametrize("times", [100, 1e5])
+def test_a_press_deeper_than_the_model_holds_is_refused_in_one_line(sensor, times):
+    """A skin by its stretching, a pad by its thickness: no frame of a ball that stands in the window."""
+    grid, press, load_n = sensor
+    with pytest.raises(ValueError, match=r"sinks .* mm.*lower the load"):
+        press(ball(grid), times * load_n)
+
+
 def test_pressure_never_pulls(sensor):
     grid, press, load_n = sensor
     assert (press(ball(grid), load_n).contact.pressure >= 0).all()

@@ -16,6 +16,7 @@ from sensors.contact.ladder.interface import OpenRung, Pad, Response
 from sensors.contact.layer import LayerCompliance
 from sensors.contact.neohookean.surface import Surface
 from sensors.contact.solver import ContactSolution, solve_indentation, solve_load
+from sensors.contact.thickness import refuse_depth, refuse_through
 from sensors.contact.winkler import WinklerBed, fit_winkler
 
 WINKLER_FIT = (0.05, 0.1, 0.2, 0.3)
@@ -46,6 +47,7 @@ class OpenLayer:
         """See `OpenRung`."""
         gap, pressure = _gap(surface, self.compliance.grid), None
         for depth in depths_m:
+            refuse_depth(depth, self.compliance.material.thickness_m)
             solution = solve_indentation(self.compliance, gap, depth, initial=pressure)
             pressure = solution.pressure
             yield self._response(solution)
@@ -55,6 +57,7 @@ class OpenLayer:
         gap, pressure = _gap(surface, self.compliance.grid), None
         for load in loads_n:
             solution = solve_load(self.compliance, gap, load, initial=pressure)
+            refuse_through(solution, self.compliance.material.thickness_m)
             pressure = solution.pressure
             yield self._response(solution)
 
@@ -73,7 +76,7 @@ class WinklerRung:
 
     def open(self, pad: Pad, indenter_class: str) -> OpenRung:
         """Fit the springs; ValueError for a class without a representative."""
-        return OpenWinkler(_fitted(pad, indenter_class, self.n))
+        return OpenWinkler(_fitted(pad, indenter_class, self.n), pad.material.thickness_m)
 
 
 @lru_cache(maxsize=64)
@@ -86,21 +89,25 @@ def _fitted(pad: Pad, indenter_class: str, n: int) -> WinklerBed:
 
 @dataclass(frozen=True)
 class OpenWinkler:
-    """Springs of known stiffness, ready to press."""
+    """Springs of known stiffness in the place of a pad of `thickness_m`, ready to press."""
 
     bed: WinklerBed
+    thickness_m: float
 
     def press_depths(self, surface: Surface, depths_m: Iterable[float]) -> Iterator[Response]:
         """See `OpenRung`."""
         gap = _gap(surface, self.bed.grid)
         for depth in depths_m:
+            refuse_depth(depth, self.thickness_m)
             yield self._response(self.bed.solve_indentation(gap, depth))
 
     def press_loads(self, surface: Surface, loads_n: Iterable[float]) -> Iterator[Response]:
         """See `OpenRung`."""
         gap = _gap(surface, self.bed.grid)
         for load in loads_n:
-            yield self._response(self.bed.solve_load(gap, load))
+            solution = self.bed.solve_load(gap, load)
+            refuse_through(solution, self.thickness_m)
+            yield self._response(solution)
 
     def _response(self, solution: ContactSolution) -> Response:
         shape = self.bed.displacement(solution)

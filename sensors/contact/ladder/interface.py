@@ -48,11 +48,14 @@ class OpenRung(Protocol):
     """A rung with its operators for one pad."""
 
     def press_depths(self, surface: Surface, depths_m: Iterable[float]) -> Iterator[Response]:
-        """Responses at the depths (m) in turn, each started from the one before."""
+        """Responses at the depths (m) in turn, each started from the one before.
+
+        ValueError for a depth that is not finite or not less than the pad's thickness.
+        """
         ...
 
     def press_loads(self, surface: Surface, loads_n: Iterable[float]) -> Iterator[Response]:
-        """Responses under the loads (N) in turn, each started from the one before."""
+        """Responses under the loads (N) in turn, each started from the one before; refused as `press_depths` does."""
         ...
 
 

@@ -12,6 +12,7 @@ from sensors.contact.layer import LayerCompliance, LayerMaterial
 from sensors.contact.neohookean import SweptSurface
 from sensors.contact.skin import SkinCompliance, SkinMaterial
 from sensors.contact.solver import NO_SURFACE, solve_indentation, solve_load
+from sensors.gel_pad import GelPad
 
 N, SIDE = 64, 0.08
 GRID = Grid(N, SIDE)
@@ -101,14 +102,41 @@ def test_thirty_warm_steps_down_and_up_meet_the_cold_solve(compliance, dtype):
 
 @pytest.mark.parametrize("compliance", list(COMPLIANCES))
 def test_a_load_that_no_depth_reaches_is_refused(compliance):
-    """No surface, or no number: one line; any finite load on a surface has a depth, however small the contact."""
+    """No surface, or no number: one line; a compliance alone knows no thickness, so that pads refuse (below)."""
     pad = COMPLIANCES[compliance](np.float64)
     for gap, load in [(np.full((N, N), NO_SURFACE), 1.0), (surfaces()["rough"], np.inf), (surfaces()["rough"], np.nan)]:
         with pytest.raises(ValueError, match=r"surface|finite"):
             solve_load(pad, gap, load)
     heavy = solve_load(pad, surfaces()["single pixel"], 1e6)
     assert heavy.force_n == pytest.approx(1e6)
-    assert heavy.indentation_m > 0
+    assert heavy.indentation_m > 4e-3
+
+
+@pytest.mark.parametrize("rung", ["winkler", "layer-64", "neohookean"])
+def test_no_rung_presses_a_pad_through(rung):
+    """From the thickness on all refuse a depth in the same words; the flat ones a load that sinks as far, too."""
+    opened, ball = get_rung(rung).open(Pad(LayerMaterial(3e-3, 1e5, 0.45), 0.024), "sphere"), indenter("sphere", 3e-3)
+    for depth in (3e-3, 3e-2, np.inf):
+        with pytest.raises(ValueError, match="less than the pad's thickness"):
+            next(opened.press_depths(ball, [depth]))
+    if rung != "neohookean":
+        deep = next(opened.press_depths(ball, [2.9e-3]))
+        assert next(opened.press_loads(ball, [deep.force_n])).indentation_m == pytest.approx(2.9e-3, rel=1e-2)
+        with pytest.raises(ValueError, match="less than the pad's thickness 3 mm"):
+            next(opened.press_loads(ball, [2 * deep.force_n]))
+
+
+def test_a_gel_is_not_pressed_through():
+    """Just short of the thickness it answers, by load and by depth alike; at the thickness it refuses."""
+    gel = GelPad(GRID, LayerMaterial(4e-3, 2e5, 0.45))
+    gap = surfaces()["a / h = 5"]
+    almost = gel.solve(gap, depth_mm=3.99)
+    assert gel.solve(gap, load_n=almost.force_n).indentation_m == pytest.approx(3.99e-3, rel=1e-3)
+    for press in ({"depth_mm": 4.0}, {"load_n": 1.01 * almost.force_n}):
+        with pytest.raises(ValueError, match="less than the pad's thickness"):
+            gel.solve(gap, **press)
+    with pytest.raises(ValueError, match="less than the pad's thickness"):
+        gel.solve(surfaces()["single pixel"], load_n=1e6)
 
 
 def test_a_taut_skin_is_its_film_alone():
