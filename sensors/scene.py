@@ -24,6 +24,8 @@ from sensors.grids import GridChoice, choose_grid
 
 _LATER = ("creep", "partial_slip")
 """Effects that came after the first datasets."""
+_SHORTEST_S = 0.005
+"""Of each part of a press: five samples of the forces."""
 
 
 def _words_and_folders(text: str) -> str:
@@ -40,7 +42,7 @@ SceneId = Annotated[str, AfterValidator(_words_and_folders)]
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class Protocol(_Part):
@@ -75,8 +77,8 @@ class Pose(_Part):
         0.0, ge=0, le=20, description="own place of each object: uniform within +- this, each axis"
     )
     nominal_turn_deg: float = Field(0.0, ge=0, le=180, description="own angle of each object: uniform within +- this")
-    reseat_mm: float = Field(0.5, ge=0, description="re-seating error, standard deviation of each axis")
-    reseat_deg: float = Field(1.0, ge=0, description="re-seating error, standard deviation")
+    reseat_mm: float = Field(0.5, ge=0, le=20, description="re-seating error, standard deviation of each axis")
+    reseat_deg: float = Field(1.0, ge=0, le=180, description="re-seating error, standard deviation")
     jitter_mm: float = Field(
         0.0, ge=0, le=20, description="unknown place: uniform within +- this at every press, each axis"
     )
@@ -136,9 +138,9 @@ class Effects(_Part):
 class Motion(_Part):
     """The press in time: cosine approach, hold with the arm's ripple, cosine release."""
 
-    approach_s: float = Field(0.35, gt=0, le=60)
-    hold_s: float = Field(0.40, gt=0, le=60)
-    release_s: float = Field(0.25, gt=0, le=60)
+    approach_s: float = Field(0.35, ge=_SHORTEST_S, le=60)
+    hold_s: float = Field(0.40, ge=_SHORTEST_S, le=60)
+    release_s: float = Field(0.25, ge=_SHORTEST_S, le=60)
     ripple: float = Field(0.004, ge=0, le=0.5, description="amplitude of the arm's ripple on the load, relative")
     ripple_hz: float = Field(8.0, gt=0, le=500)
 

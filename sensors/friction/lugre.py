@@ -44,11 +44,12 @@ class LuGre:
     stribeck_m_per_s: float = 5e-3
 
     def __post_init__(self) -> None:
-        if not np.all(np.asarray(self.stiffness) > 0):
-            raise ValueError("LuGre needs stiffness > 0 N/m in every element")
-        if np.any(np.asarray(self.damping) < 0) or np.any(np.asarray(self.viscosity) < 0):
-            raise ValueError("LuGre needs damping >= 0 and viscosity >= 0 N s/m in every element")
-        if not 0 < self.dynamic <= self.static or not self.stribeck_m_per_s > 0:
+        stiffness, damping, viscosity = map(np.asarray, (self.stiffness, self.damping, self.viscosity))
+        if not np.all((stiffness > 0) & (stiffness < np.inf)):
+            raise ValueError("LuGre needs a finite stiffness > 0 N/m in every element")
+        if not all(np.all((sigma >= 0) & (sigma < np.inf)) for sigma in (damping, viscosity)):
+            raise ValueError("LuGre needs finite damping >= 0 and viscosity >= 0 N s/m in every element")
+        if not 0 < self.dynamic <= self.static < np.inf or not 0 < self.stribeck_m_per_s < np.inf:
             raise ValueError(
                 "LuGre needs 0 < dynamic <= static and stribeck_m_per_s > 0, got "
                 f"dynamic={self.dynamic}, static={self.static}, stribeck_m_per_s={self.stribeck_m_per_s}"

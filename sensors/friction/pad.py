@@ -24,7 +24,7 @@ class PadSpring:
     fade_m: float
 
     def __post_init__(self) -> None:
-        if self.stiffness <= 0 or self.damping < 0 or self.fade_m <= 0:
+        if not (0 < self.stiffness < np.inf and 0 <= self.damping < np.inf and 0 < self.fade_m < np.inf):
             raise ValueError(
                 "a pad needs stiffness > 0, damping >= 0 and fade_m > 0, got "
                 f"stiffness={self.stiffness}, damping={self.damping}, fade_m={self.fade_m}"

@@ -70,9 +70,9 @@ class SkinPatch:
         """The state after `dt_s` in which the body's velocity goes from `drive` to `next_drive`.
 
         drive (1, 2) or (n, 2) in m/s at each element; normal_force (n,) in newtons. `substeps` None takes what
-        stability needs. Raises ValueError where `substeps` are too few.
+        stability needs. Raises ValueError as `count_substeps`.
         """
-        count = count_substeps(dt_s, self.longest_step, substeps)
+        count = count_substeps(dt_s, self.longest_step, substeps, self.mass_kg)
         law = self.law
         patch, bristle, slip, force = advance_elements(
             np.concatenate((state.displacement, state.velocity)),

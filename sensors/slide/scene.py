@@ -21,7 +21,7 @@ UNSHEARED: tuple[Kind, ...] = ("rotation", "arm_vibration")
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class SlipProtocol(_Part):
@@ -72,7 +72,7 @@ class SlipMotion(_Part):
 
     rest_s: float = Field(1.0, ge=0.05, le=60)
     rest_jitter_s: float = Field(0.2, ge=0, le=10, description="start of the motion: uniform within +- this")
-    move_s: float = Field(1.2, gt=0, le=60, description="longest motion")
+    move_s: float = Field(1.2, ge=0.005, le=60, description="longest motion")
     settle_s: float = Field(0.8, ge=0.2, le=60, description="rest after the longest motion")
     longest_mm: float = Field(12.0, gt=0, le=20, description="a faster motion ends here")
     acceleration_m_s2: float = Field(0.5, gt=0, description="of the arm; assumption")
@@ -105,7 +105,9 @@ class Friction(_Part):
     stribeck_mm_s: float = Field(5.0, gt=0)
     weave_mpa_per_mm: float = Field(0.3, gt=0, description="shear stress that shifts the crowns of the weave by a mm")
     loss_ratio: float = Field(0.1, gt=0, lt=1, description="damping ratio of weave and skin at their resonance")
-    areal_mass_kg_m2: float = Field(1.85, gt=0, description="film (1.5 mm, 1100 kg/m3) and canvas (0.2 kg/m2)")
+    areal_mass_kg_m2: float = Field(
+        1.85, ge=1e-3, le=1e3, description="film (1.5 mm, 1100 kg/m3) and canvas (0.2 kg/m2)"
+    )
     partial_share: float = Field(0.05, gt=0, lt=1, description="partial slip: this share of the load slips")
     gross_share: float = Field(0.9, gt=0, le=1, description="gross slip: this share of the load slips")
     slip_speed_mm_s: float = Field(0.1, gt=0, description="slower is creep")
@@ -142,7 +144,7 @@ class Disturbances(_Part):
     vibration_load: tuple[float, float] = (0.01, 0.05)
     vibration_um: tuple[float, float] = Field((2.0, 20.0), description="lateral amplitude, micrometres")
     drift_load: float = Field(0.15, ge=0, lt=1)
-    drift_gain: float = Field(0.03, ge=0, description="warming of each taxel over the trial, std, relative")
+    drift_gain: float = Field(0.03, ge=0, le=0.3, description="warming of each taxel over the trial, std, relative")
     residual_range: tuple[float, float] = Field((0.0, 0.2), description="load left after a release")
 
     @model_validator(mode="after")

@@ -117,6 +117,11 @@ def test_load_history_rises_holds_and_falls():
         ({"protocol": {"shallow_rounds": [12]}}, "shallow_rounds"),
         ({"load": {"deep_n": -1.0}}, "deep_n"),
         ({"colour": "red"}, "colour"),
+        ({"sensor": {"film_thickness_mm": np.inf}}, "film_thickness_mm"),
+        ({"motion": {"approach_s": 1e-6}}, "approach_s"),
+        ({"motion": {"hold_s": 1e-6}}, "hold_s"),
+        ({"motion": {"release_s": 1e-6}}, "release_s"),
+        ({"pose": {"reseat_mm": np.nan}}, "reseat_mm"),
     ],
 )
 def test_impossible_scenes_are_refused(change, message):

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from sensors.friction.body import advance_body, count_substeps, needed_step
+from sensors.friction.body import MOST_SUBSTEPS, advance_body, count_substeps, needed_step
 from sensors.friction.lugre import LuGre
+from sensors.friction.patch import PatchState, SkinPatch
 
 LAW = LuGre(1e5, damping=20.0, viscosity=0.0)
 MASS = 0.1
@@ -79,5 +80,17 @@ def test_a_step_that_cannot_be_stable_is_refused_with_the_step_it_needs():
         count_substeps(1e-3, needed_step(1e6, 0.1), substeps=1)
     with pytest.raises(ValueError, match="need steps of at most"):
         advance_body(LAW, 1e-3, np.zeros(2), np.zeros(2), np.zeros(2), np.array(1.0), 1e-3, substeps=2)
-    with pytest.raises(ValueError, match="mass_kg"):
-        needed_step(1e5, 0.0)
+    for mass in (0.0, np.nan, np.inf):
+        with pytest.raises(ValueError, match="mass_kg"):
+            needed_step(1e5, mass)
+
+
+def test_a_mass_too_light_for_any_affordable_substeps_is_refused_by_name():
+    assert count_substeps(1e-3, needed_step(1e6, 1.01e-6)) <= MOST_SUBSTEPS
+    with pytest.raises(
+        ValueError, match=r"step of 0\.001 s .* mass of 1e-09 kg .* steps of 3\.16e-08 s, 31623 in each"
+    ):
+        advance_body(LuGre(1e6), 1e-9, np.zeros(2), np.zeros(2), np.zeros(2), np.array(1.0), 1e-3)
+    patch, still = SkinPatch(LuGre(np.array([1e6])), 1e-9, 1.0, 0.0), np.zeros((1, 2))
+    with pytest.raises(ValueError, match=r"mass of 1e-09 kg"):
+        patch.advance(PatchState.at_rest(1), still, still, np.ones(1), 1e-3)

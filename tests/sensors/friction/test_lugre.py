@@ -126,7 +126,22 @@ def test_elements_do_not_see_each_other():
         assert together[:, element] == pytest.approx(alone)
 
 
-@pytest.mark.parametrize("change", [{"stiffness": 0.0}, {"damping": -1.0}, {"dynamic": 0.7}, {"stribeck_m_per_s": 0.0}])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"stiffness": 0.0},
+        {"stiffness": np.inf},
+        {"stiffness": np.array([1e4, np.nan])},
+        {"damping": -1.0},
+        {"damping": np.nan},
+        {"viscosity": np.inf},
+        {"dynamic": 0.7},
+        {"static": np.inf},
+        {"stribeck_m_per_s": 0.0},
+        {"stribeck_m_per_s": np.inf},
+    ],
+    ids=str,
+)
 def test_impossible_laws_are_refused(change):
     with pytest.raises(ValueError, match="LuGre needs"):
         LuGre(**({"stiffness": 1e4} | change))

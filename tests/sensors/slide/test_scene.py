@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
@@ -80,7 +81,13 @@ def test_the_pad_on_a_plate_slips_cell_by_cell():
             "rotation",
         ),
         ({"colour": "red"}, "colour"),
+        ({"conditions": {"speeds_mm_s": [np.nan]}}, "speeds_mm_s.0\n.*finite"),
+        ({"conditions": {"directions_deg": [np.inf]}}, "directions_deg.0\n.*finite"),
+        ({"friction": {"areal_mass_kg_m2": 1e-9}}, "areal_mass_kg_m2"),
+        ({"motion": {"move_s": 1e-6}}, "move_s"),
+        ({"disturbances": {"drift_gain": 3.0}}, "drift_gain"),
     ],
+    ids=str,
 )
 def test_impossible_scenes_are_refused(change, message):
     with pytest.raises(ValueError, match=message):
