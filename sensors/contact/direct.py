@@ -19,7 +19,14 @@ from numpy.typing import NDArray
 
 from sensors.contact.levels import check_levels, coarsened
 from sensors.contact.operator import Compliance, WindowedCompliance
-from sensors.contact.solver import ContactSolution, ConvergenceError, check_load, finite_window, solve_load
+from sensors.contact.solver import (
+    ContactSolution,
+    ConvergenceError,
+    check_initial,
+    check_load,
+    finite_window,
+    solve_load,
+)
 
 Floats = NDArray[np.floating]
 Cells = tuple[NDArray[np.intp], ...]
@@ -32,6 +39,8 @@ _MOST_ROUNDS = 40
 _PENETRATION, _COARSE_PENETRATION = 1e-5, 1e-2
 """What may remain, relative to the indentation, of an answer and of a first guess; finer than 1e-5 float32 cannot."""
 _FIRST_CELLS = 20
+_LOAD_KEPT = 1e-4
+"""How far, relative, rounding may take the load of an answer from what was asked: tiny loads drown in the gaps."""
 
 
 class DenseCompliance(Compliance, Protocol):
@@ -43,7 +52,7 @@ class DenseCompliance(Compliance, Protocol):
 
 
 class _UndecidedError(Exception):
-    """The active set grew too large or went round in a circle."""
+    """The active set grew too large, came out empty, went round in a circle or lost the load to rounding."""
 
 
 def solve_load_direct(
@@ -66,6 +75,7 @@ def solve_load_direct(
     check_levels(levels)
     finest = levels[-1]
     gap = check_load(finest, gap, force_n)
+    check_initial(finest, initial)
     if force_n == 0:
         return solve_load(finest, gap, force_n)
     guess = None if initial is None else (np.asarray(initial) > 0) & np.isfinite(gap)
@@ -141,6 +151,8 @@ def _settle(
             pressure[window] = field
             residual = float(np.abs(opening[cells] * p).sum()) / (sum_p * max(abs(d), np.finfo(np.float64).tiny))
             carried = float(field.sum(dtype=np.float64)) * compliance.grid.cell_area_m2
+            if not abs(carried - force_n) <= _LOAD_KEPT * force_n:
+                raise _UndecidedError
             return ContactSolution(compliance.grid, pressure, carried, d, solves, residual)
         entering[cells] = True
         cells = np.nonzero(entering)
@@ -157,7 +169,7 @@ def _without_pull(
 ) -> tuple[Cells, NDArray[np.float64], float, int]:
     """Pressure on `cells` of the window, those that would pull taken out; what is left, p, d and the solves it took."""
     for solves in range(1, _MOST_ROUNDS + 1):
-        if cells[0].size > most_cells:
+        if not 0 < cells[0].size <= most_cells:
             raise _UndecidedError
         matrix = compliance.influence(cells[0] + origin[0], cells[1] + origin[1])
         gaps = near[cells]

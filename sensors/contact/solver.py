@@ -22,6 +22,9 @@ _ENTRY_PRESSURE = 1e-3
 """Pressure, as a fraction of the peak, with which a penetrating cell enters the active set; larger steps cycle."""
 
 
+_PLAIN = (1e-9, 1e15)
+"""Peaks of a first guess (Pa) whose squares float32 holds; what lies outside is scaled, for its shape alone counts."""
+
 _DEEPEST = 0.5
 """Penetration of a loaded cell, as a fraction of the indentation, that no answer holds, whatever it carries."""
 
@@ -64,6 +67,7 @@ def solve_load(
     it, ConvergenceError when `max_iterations` do not suffice.
     """
     gap = check_load(compliance, gap, force_n)
+    check_initial(compliance, initial)
     if force_n == 0:
         return _no_contact(compliance, gap, 0.0)
     problem = _Problem(compliance, gap, finite_window(gap), force_n / compliance.grid.cell_area_m2, None)
@@ -81,6 +85,7 @@ def solve_indentation(
 ) -> ContactSolution:
     """Press a rigid surface by a given depth; zero or negative depth gives zero pressure. See `solve_load`."""
     gap = _checked(compliance, gap)
+    check_initial(compliance, initial)
     if not np.isfinite(indentation_m):
         raise ValueError(f"indentation_m must be finite, got {indentation_m}")
     reached = gap < indentation_m
@@ -97,15 +102,29 @@ def check_load(compliance: Compliance, gap: NDArray[np.floating], force_n: float
         raise ValueError(f"force_n must be finite and >= 0, got {force_n}")
     if force_n > 0 and not np.isfinite(gap).any():
         raise ValueError("a load needs a surface to carry it, but the gap is infinite everywhere")
+    sum_p, held = force_n / compliance.grid.cell_area_m2, np.finfo(compliance.dtype)
+    if force_n > 0 and not float(held.tiny) * gap.size < sum_p < float(held.max) / gap.size:
+        raise ValueError(f"force_n {force_n:g} is beyond what {compliance.dtype} holds as a pressure")
     return gap
+
+
+def check_initial(compliance: Compliance, initial: NDArray[np.floating] | None) -> None:
+    """ValueError unless `initial` is None or finite pressures (n, n)."""
+    n = compliance.grid.n
+    if initial is None:
+        return
+    if initial.shape != (n, n):
+        raise ValueError(f"initial must have the grid's shape ({n}, {n}), got {initial.shape}")
+    if not (np.abs(initial) <= float(np.finfo(compliance.dtype).max)).all():
+        raise ValueError("initial holds pressures that are not finite; leave it out to start from none")
 
 
 def _checked(compliance: Compliance, gap: NDArray[np.floating]) -> NDArray[np.floating]:
     n = compliance.grid.n
     if gap.shape != (n, n):
         raise ValueError(f"gap must have the grid's shape ({n}, {n}), got {gap.shape}")
-    if np.isnan(gap).any():
-        raise ValueError("gap holds NaN; use NO_SURFACE (inf) where there is no object")
+    if not (gap > -np.inf).all():
+        raise ValueError("gap holds NaN or -inf; use NO_SURFACE (inf) where there is no object")
     return np.asarray(gap, compliance.dtype)
 
 
@@ -167,6 +186,9 @@ class _Problem:
         p: NDArray[np.floating] | None = None
         if initial is not None:
             p = np.maximum(self._cut(initial), 0) * self.surface
+            peak = p.max()
+            if peak > 0 and not _PLAIN[0] < peak < _PLAIN[1]:
+                p = p / peak
         if p is None or not p.any():
             p = self._cold_start()
         if self.load is not None:

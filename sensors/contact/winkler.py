@@ -88,5 +88,5 @@ def fit_winkler(
 def _check_gap(grid: Grid, gap: Floats) -> None:
     if gap.shape != (grid.n, grid.n):
         raise ValueError(f"gap must have the grid's shape ({grid.n}, {grid.n}), got {gap.shape}")
-    if np.isnan(gap).any():
-        raise ValueError("gap holds NaN; use inf where there is no object")
+    if not (gap > -np.inf).all():
+        raise ValueError("gap holds NaN or -inf; use inf where there is no object")

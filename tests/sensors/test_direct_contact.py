@@ -141,6 +141,21 @@ def test_a_contact_that_the_iteration_cannot_solve_comes_back(monkeypatch):
         solve_load_direct(grids, gap, 2.0)
 
 
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("force_n", [1e-8, 1e-15, 1e-20, 1e-30])
+def test_a_load_that_rounding_would_lose_is_carried(dtype, force_n):
+    """Down to loads whose depth drowns in the gaps: the force is what was asked, on cells that touch first."""
+    solution = solve_load_direct(levels("layer", dtype=dtype), sphere(), force_n)
+    assert solution.force_n == pytest.approx(force_n, rel=1e-3)
+    assert solution.contact[np.unravel_index(sphere().argmin(), (64, 64))]
+
+
+def test_a_load_beyond_the_precision_is_refused():
+    for force_n in (1e-300, 1e39):
+        with pytest.raises(ValueError, match="beyond what float32 holds"):
+            solve_load_direct(levels("layer", dtype=np.float32), sphere(), force_n)
+
+
 def test_no_load_and_bad_input():
     grids, gap = levels("skin"), sphere()
     nothing = solve_load_direct(grids, gap, 0.0)
@@ -152,6 +167,11 @@ def test_no_load_and_bad_input():
         solve_load_direct(grids, np.full((64, 64), NO_SURFACE), 1.0)
     with pytest.raises(ValueError, match="NaN"):
         solve_load_direct(grids, np.full((64, 64), np.nan), 1.0)
+    with pytest.raises(ValueError, match="-inf"):
+        solve_load_direct(grids, np.where(np.eye(64) > 0, -np.inf, gap), 1.0)
+    for guess, message in ((np.full((64, 64), np.nan), "not finite"), (np.ones((32, 32)), "initial must have")):
+        with pytest.raises(ValueError, match=message):
+            solve_load_direct(grids, gap, 1.0, initial=guess)
     with pytest.raises(ValueError, match="must double"):
         solve_load_direct((grids[-1], grids[-1]), gap, 1.0)
     with pytest.raises(ValueError, match="no half"):

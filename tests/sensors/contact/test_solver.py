@@ -152,6 +152,7 @@ def test_a_shifted_surface_shifts_the_pressure():
     [
         (np.full((16, 16), NO_SURFACE), 1.0, "needs a surface"),
         (np.full((16, 16), np.nan), 1.0, "NaN"),
+        (np.where(np.eye(16) > 0, -np.inf, 0.0), 1.0, "NaN or -inf"),
         (np.zeros((8, 16)), 1.0, "grid's shape"),
         (np.zeros((16, 16)), -1.0, "force_n"),
         (np.zeros((16, 16)), np.nan, "force_n"),
@@ -160,6 +161,42 @@ def test_a_shifted_surface_shifts_the_pressure():
 def test_impossible_presses_are_refused(gap, load, message):
     with pytest.raises(ValueError, match=message):
         solve_load(skin(16), gap, load)
+
+
+def test_a_gap_without_end_is_refused_at_every_depth():
+    gap = np.where(np.eye(16) > 0, -np.inf, 0.0)
+    for depth in (-1e-3, 0.0, 1e-3):
+        with pytest.raises(ValueError, match="NaN or -inf"):
+            solve_indentation(skin(16), gap, depth)
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_only_the_shape_of_a_first_guess_counts(dtype):
+    """The same guess at any scale that a float holds leads to the same answer, under depth and under load."""
+    compliance = pad(dtype=dtype)
+    gap = surfaces(compliance.grid)["sphere"]
+    deep, loaded = solve_indentation(compliance, gap, 1e-4), solve_load(compliance, gap, 1.0)
+    shape = deep.pressure / deep.pressure.max()
+    for scale in (1e-36, 1e-30, 1e-8, 1e8, 1e20, 1e33):
+        guess = shape * dtype(scale)
+        assert solve_indentation(compliance, gap, 1e-4, initial=guess).force_n == pytest.approx(deep.force_n, rel=1e-4)
+        again = solve_load(compliance, gap, 1.0, initial=guess)
+        assert again.indentation_m == pytest.approx(loaded.indentation_m, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("guess", "message"),
+    [
+        (np.full((16, 16), np.nan), "not finite"),
+        (np.full((16, 16), np.inf), "not finite"),
+        (np.ones((8, 8)), r"initial must have the grid's shape \(16, 16\), got \(8, 8\)"),
+    ],
+)
+def test_a_first_guess_that_is_none_is_refused(guess, message):
+    compliance, gap = skin(16), np.zeros((16, 16))
+    for solve, value in ((solve_load, 1.0), (solve_indentation, 1e-4)):
+        with pytest.raises(ValueError, match=message):
+            solve(compliance, gap, value, initial=guess)
 
 
 def test_an_unreached_tolerance_is_an_error():
