@@ -43,7 +43,8 @@ class Fabric:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if min(self.warp_mm, self.weft_mm, self.grain_mm) <= 0 or min(self.relief_mm, self.unevenness_mm) < 0:
+        pitches, heights = (self.warp_mm, self.weft_mm, self.grain_mm), (self.relief_mm, self.unevenness_mm)
+        if not (all(0 < pitch < np.inf for pitch in pitches) and all(0 <= height < np.inf for height in heights)):
             raise ValueError("a fabric needs pitches and grain > 0 mm, relief and unevenness >= 0 mm")
 
     def relief(self, x_mm: Array, y_mm: Array, side_mm: float) -> Array:
@@ -65,7 +66,7 @@ FABRICS = {
 class CPMFingerParameters(BaseModel):
     """What can be set on a finger; every length and force carries its unit in its name."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     pitch_mm: float = Field(4.0, gt=0)
     taxel_mm: float = Field(3.2, gt=0, description="side of the square that a taxel averages over")

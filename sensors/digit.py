@@ -37,7 +37,7 @@ LEDS = (
 class DigitParameters(BaseModel):
     """What can be set on a DIGIT; every length and modulus carries its unit in its name."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     gel_thickness_mm: float = Field(3.0, gt=0, description="assumed, see the module")
     gel_modulus_kpa: float = Field(30.0, gt=0, description="Young's modulus")

@@ -35,7 +35,7 @@ _SURFACE = 384
 class GelSightParameters(BaseModel):
     """What can be set on a GelSight; every length and modulus carries its unit in its name."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     gel_thickness_mm: float = Field(3.0, gt=0)
     gel_modulus_kpa: float = Field(150.0, gt=0, description="Young's modulus; assumed, see the module")

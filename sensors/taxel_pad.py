@@ -33,7 +33,7 @@ FORCE_UNIT = "N"
 class TaxelPadParameters(BaseModel):
     """What can be set on a pad; springs, dampers and bristles are those of one element."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     layout: Literal["flat", "sphere", "fingertip"] = "flat"
     rows: int = Field(14, ge=1)

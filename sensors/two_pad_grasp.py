@@ -74,8 +74,8 @@ def lift_cube(grasp: Grasp | None = None, pad: TaxelPad | None = None) -> GraspH
 
     Example: `history = lift_cube(); history.position[-1, 2]` is how far the cube was lifted.
 
-    Raises ValueError for a mass that is not > 0, or where `dt_s` is too long for pads and cube (the step needed is
-    named), or where the cube goes deeper into a pad than its limit.
+    Raises ValueError for a task that is not finite or cannot be (a mass or grip that is not > 0), or where `dt_s` is
+    too long for pads and cube (the step needed is named), or where the cube goes deeper into a pad than its limit.
     """
     grasp, pad = grasp or Grasp(), pad or TaxelPad()
     _refuse_long_steps(grasp, pad)
@@ -123,10 +123,13 @@ def lift_cube(grasp: Grasp | None = None, pad: TaxelPad | None = None) -> GraspH
 
 def _refuse_long_steps(grasp: Grasp, pad: TaxelPad) -> None:
     """Symplectic steps are stable while springs and dampers of all elements at once are slower than the step."""
-    if not (grasp.mass_kg > 0 and grasp.edge_mm > 0 and grasp.duration_s >= grasp.dt_s > 0):
+    for name, value in vars(grasp).items():
+        if not math.isfinite(value) or (value < 0 and name != "offset_mm"):
+            raise ValueError(f"a grasp needs finite values >= 0, got {name} = {value}")
+    if not (grasp.mass_kg > 0 and grasp.edge_mm > 0 and grasp.grip_n > 0 and grasp.duration_s >= grasp.dt_s > 0):
         raise ValueError(
-            "a grasp needs mass_kg > 0, edge_mm > 0 and duration_s >= dt_s > 0, got "
-            f"{grasp.mass_kg}, {grasp.edge_mm}, {grasp.duration_s} and {grasp.dt_s}"
+            "a grasp needs mass_kg > 0, edge_mm > 0, grip_n > 0 and duration_s >= dt_s > 0, got "
+            f"{grasp.mass_kg}, {grasp.edge_mm}, {grasp.grip_n}, {grasp.duration_s} and {grasp.dt_s}"
         )
     p, elements = pad.parameters, 2 * len(pad.layout)
     stiffest = elements * max(p.stiffness_n_per_m, p.bristle_n_per_m) + _TABLE_N_PER_M

@@ -21,8 +21,10 @@ class Grid:
     size_m: float
 
     def __post_init__(self) -> None:
-        if self.n < 2 or self.size_m <= 0:
-            raise ValueError(f"a grid needs n >= 2 and a positive size, got n={self.n}, size_m={self.size_m}")
+        if not (isinstance(self.n, int | np.integer) and self.n >= 2 and 0 < self.size_m < np.inf):
+            raise ValueError(
+                f"a grid needs a whole n >= 2 and a finite positive size, got n={self.n}, size_m={self.size_m}"
+            )
 
     @property
     def pitch_m(self) -> float:

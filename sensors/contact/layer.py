@@ -34,9 +34,9 @@ class LayerMaterial:
     poisson_ratio: float
 
     def __post_init__(self) -> None:
-        if self.thickness_m <= 0 or self.youngs_modulus_pa <= 0:
+        if not (0 < self.thickness_m < np.inf and 0 < self.youngs_modulus_pa < np.inf):
             raise ValueError(
-                "a layer needs a positive thickness and modulus, got "
+                "a layer needs a finite positive thickness and modulus, got "
                 f"thickness_m={self.thickness_m}, youngs_modulus_pa={self.youngs_modulus_pa}"
             )
         if not 0 <= self.poisson_ratio <= 0.5:

@@ -29,8 +29,8 @@ class SkinMaterial:
     tension_n_per_m: float
 
     def __post_init__(self) -> None:
-        if self.tension_n_per_m <= 0:
-            raise ValueError(f"a skin needs a positive tension_n_per_m, got {self.tension_n_per_m}")
+        if not 0 < self.tension_n_per_m < np.inf:
+            raise ValueError(f"a skin needs a finite positive tension_n_per_m, got {self.tension_n_per_m}")
 
     @property
     def bending_stiffness_nm(self) -> float:

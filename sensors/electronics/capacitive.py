@@ -16,6 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sensors.electronics.given import finite_load
+
 
 @dataclass(frozen=True)
 class CapacitiveChain:
@@ -32,9 +34,10 @@ class CapacitiveChain:
     def __post_init__(self) -> None:
         if not 0 < self.full_squeeze < 1:
             raise ValueError(f"full_squeeze must lie between 0 and 1, got {self.full_squeeze}")
-        if min(self.half_load_n, self.rest_counts, self.bandwidth_hz, self.period_ms, self.top_counts) <= 0:
+        positive = (self.half_load_n, self.rest_counts, self.bandwidth_hz, self.period_ms, self.top_counts)
+        if not all(0 < value < np.inf for value in positive):
             raise ValueError("a capacitive chain needs half load, rest counts, bandwidth, period and top counts > 0")
-        if self.noise_counts < 0:
+        if not 0 <= self.noise_counts < np.inf:
             raise ValueError(f"noise_counts must be >= 0, got {self.noise_counts}")
 
     @property
@@ -65,15 +68,14 @@ class CapacitiveChain:
         """Times (M,; s) and whole counts (M, taxels) for loads (T, taxels; N) sampled at `rate_hz`.
 
         Starts at rest, or with `settled` long under the first load. `gain` scales the counts taxel by taxel. No noise
-        without `rng`. Raises ValueError for a load that is not finite, and where `rate_hz` is below the sampling rate.
+        without `rng`. Raises ValueError for a load or gain that is not finite, a gain < 0, and where `rate_hz` is below
+        the sampling rate.
         """
         from scipy.signal import lfilter
 
         if rate_hz < self.rate_hz:
             raise ValueError(f"loads must come at {self.rate_hz:g} Hz or faster, got rate_hz={rate_hz:g}")
-        if not np.isfinite(load).all():
-            raise ValueError("expected finite taxel loads in newtons, got NaN or infinity")
-        ideal = self.counts(np.asarray(load, dtype=np.float64)) * gain
+        ideal = self.counts(finite_load(load, gain)) * gain
         keep = np.exp(-2 * np.pi * self.bandwidth_hz / rate_hz)
         before = keep * ideal[:1] if settled else np.zeros_like(ideal[:1])
         slow, _ = lfilter([1 - keep], [1, -keep], ideal, axis=0, zi=before)

@@ -26,9 +26,9 @@ class Creep:
     def __post_init__(self) -> None:
         if len(self.times_s) != len(self.depths):
             raise ValueError(f"creep needs one depth for each time, got {len(self.times_s)} and {len(self.depths)}")
-        if min(self.times_s, default=1) <= 0 or self.closing_force_n <= 0:
-            raise ValueError("creep needs times_s > 0 and closing_force_n > 0")
-        if min(self.depths, default=0) < 0 or sum(self.depths) >= 1:
+        if not all(0 < value < np.inf for value in (*self.times_s, self.closing_force_n)):
+            raise ValueError("creep needs finite times_s > 0 and closing_force_n > 0")
+        if not (all(depth >= 0 for depth in self.depths) and sum(self.depths) < 1):
             raise ValueError("creep needs depths >= 0 that sum to less than 1")
 
     def closed(self, load: NDArray[np.float64]) -> NDArray[np.float64]:

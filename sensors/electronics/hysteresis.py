@@ -45,7 +45,8 @@ class PrandtlIshlinskii:
     def __post_init__(self) -> None:
         if len(self.thresholds_n) != len(self.weights):
             raise ValueError(f"{len(self.thresholds_n)} thresholds but {len(self.weights)} weights")
-        if min(self.weights, default=0) < 0 or sum(self.weights) >= 1 or min(self.thresholds_n, default=0) < 0:
+        values = (*self.weights, *self.thresholds_n)
+        if not (all(0 <= value < np.inf for value in values) and sum(self.weights) < 1):
             raise ValueError("thresholds and weights must be >= 0 and the weights must sum to less than 1")
 
     def respond(self, force: NDArray[np.float64]) -> NDArray[np.float64]:

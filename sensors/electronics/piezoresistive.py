@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sensors.electronics.creep import Creep
+from sensors.electronics.given import finite_load
 from sensors.electronics.hysteresis import PrandtlIshlinskii
 from sensors.electronics.scanning import Scanning, correct_grounded_rows, scan
 
@@ -131,12 +132,10 @@ class PiezoresistiveChain:
     ) -> NDArray[np.float64]:
         """Read-back forces (N) for true taxel loads (T, taxels) from rest; neither noise nor spread without `rng`.
 
-        Raises ValueError for a load that is not finite, and where `rows` do not divide the taxels of an array whose
-        rows are not isolated.
+        Raises ValueError for a load or gain that is not finite, a gain < 0, and where `rows` do not divide the taxels
+        of an array whose rows are not isolated.
         """
-        load = np.asarray(load, dtype=np.float64)
-        if not np.isfinite(load).all():
-            raise ValueError("expected finite taxel loads in newtons, got NaN or infinity")
+        load = finite_load(load, gain)
         if rng is not None and self.press_spread > 0:
             gain = gain * np.exp(self.press_spread * rng.standard_normal(load.shape[1:]))
         voltage = self.voltage(self.respond(load), gain, dead)

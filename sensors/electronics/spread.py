@@ -28,7 +28,7 @@ class ArrayTraits:
         dead_share: float = 0.0,
     ) -> ArrayTraits:
         """An array with log-normal gains, normal offsets (N) and each taxel dead with probability `dead_share`."""
-        if gain_spread < 0 or offset_n < 0 or not 0 <= dead_share <= 1:
+        if not (0 <= gain_spread < np.inf and 0 <= offset_n < np.inf and 0 <= dead_share <= 1):
             raise ValueError(
                 "an array needs gain_spread >= 0, offset_n >= 0 and dead_share in 0..1, got "
                 f"{gain_spread}, {offset_n}, {dead_share}"

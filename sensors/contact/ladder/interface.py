@@ -24,8 +24,8 @@ class Pad:
     side_m: float
 
     def __post_init__(self) -> None:
-        if not self.side_m > 0:
-            raise ValueError(f"a pad needs a positive side_m, got {self.side_m}")
+        if not 0 < self.side_m < np.inf:
+            raise ValueError(f"a pad needs a finite positive side_m, got {self.side_m}")
 
     @property
     def side_ratio(self) -> float:
