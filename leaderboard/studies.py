@@ -94,7 +94,10 @@ _FUSED = {
     "fused-equal": "force + frame",
     "fused-change-equal": "force + change of the frame",
     "fused-change": "force + change, weights chosen",
+    "fused-pixels-change-equal": "force in time + pixels of the change",
 }
+_ALONE_OF = {"fused-equal": ("force", "image"), "fused-pixels-change-equal": ("force-series", "pixels-change")}
+"""One modality of a way to fuse, where it is not force and the change of the frame."""
 
 
 def _pairings(fused: str) -> tuple[Panel, ...]:
@@ -109,7 +112,7 @@ def _pairings(fused: str) -> tuple[Panel, ...]:
             "test-class": "another",
         },
     }
-    alone = ("force", "image" if fused == "fused-equal" else "image-change")
+    alone = _ALONE_OF.get(fused, ("force", "image-change"))
     return tuple(
         Panel(
             _FUSED[fused],

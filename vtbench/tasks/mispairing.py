@@ -90,6 +90,20 @@ def force_at(
     return np.array(rows, np.float32)
 
 
+def late(
+    series: Sequence[NDArray[np.floating]], rate_hz: NDArray[np.floating], errors_s: NDArray[np.floating]
+) -> list[NDArray[np.floating]]:
+    """Histories as a clock that is off by `errors_s` reads them: sample t is that of t + error, held at the ends.
+
+    Args:
+        series: n histories (T, taxels).
+        rate_hz: (n,) samples a second.
+        errors_s: (n,).
+    """
+    shifts = np.round(rate_hz * errors_s).astype(np.int64)
+    return [each[np.clip(np.arange(len(each)) + by, 0, len(each) - 1)] for each, by in zip(series, shifts, strict=True)]
+
+
 def _members(pool: Rows) -> list[Rows]:
     groups = [np.flatnonzero(pool == number) for number in np.unique(pool)]
     if any(len(members) < 2 for members in groups):

@@ -11,7 +11,9 @@ sensors that is badly paired for good. The object's label always belongs to the 
   can gain from it, and one that listens to it loses.
 - `test-press`, `test-class`: the same two, but the training pairs are right.
 
-Partners are of the same sensor and the same half of its presses, so that no force crosses from training to test.
+Partners are of the same sensor and the same half of its presses, so that no force crosses from training to test. A
+force history (`force-series`, the feed of nets) has the partner, and the error of the clocks, of its press's force: it
+is late or early by that much, and held at its ends.
 Splits: each half of an object's presses tested by the other (every press once), and each sensor unit held out.
 Target, metrics, intervals: as `objects/deep/v1`. Lines to compare with: each modality alone on `paired`. Beside the
 change of the frame the force has little to add on these presses; beside the raw frame (`fused-equal`, the paper's own
@@ -20,29 +22,52 @@ feed, on the random split, where raw frames can be used at all) it has, so that 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vtbench.tasks.base import FeatureCache, Features, Feed, StandIn, Task, TaskData, Variant
-from vtbench.tasks.mispairing import another, clock_errors, force_at, nearest_distance, of_another_class
-from vtbench.tasks.presses import CHANGE, FORCE, FRAME, PROBES, load_presses
+from vtbench.tasks.mispairing import another, clock_errors, force_at, late, nearest_distance, of_another_class
+from vtbench.tasks.presses import (
+    CHANGE,
+    FORCE,
+    FRAME,
+    PIXELS_CHANGE,
+    PROBES,
+    SERIES,
+    STEPS,
+    in_steps,
+    load_presses,
+)
 from vtbench.tasks.splits import held_out
 from vtbench.tasks.study_splits import half_of, halves, pools
 
+Rows = NDArray[np.int64]
 TIMES_MS = (100, 200, 300, 400)
 PLACES_MM = (2, 4, 6)
 SEED = 1
 SPLITS = {"random": halves, "held-out-unit": held_out("unit")}
+OF_FORCE = (FORCE.name, SERIES.name)
 
 
 def _load(path: Path, features: FeatureCache, backbone: str) -> TaskData:
     data = load_presses(path, features, backbone, press="deep")
-    made = {f"force~time-{ms}ms": partial(_other_moment, path, ms) for ms in TIMES_MS}
-    made |= {f"force~place-{mm}mm": partial(_other_place, path, data, mm) for mm in PLACES_MM}
-    made |= {"force~press": partial(_other_press, path, data), "force~class": partial(_other_class, path, data)}
+    made = {f"{FORCE.name}~time-{ms}ms": partial(_other_moment, path, ms) for ms in TIMES_MS}
+    partners = {f"place-{mm}mm": partial(_other_place, data, mm) for mm in PLACES_MM}
+    partners |= {"press": partial(_other_press, data), "class": partial(_other_class, data)}
+    forces = [FORCE.name]
+    if SERIES.name in data.sources:
+        forces.append(SERIES.name)
+        made |= {f"{SERIES.name}~time-{ms}ms": partial(_other_time, path, ms) for ms in TIMES_MS}
+    made |= {
+        f"{force}~{name}": partial(_taken_from, data, force, partner)
+        for force in forces
+        for name, partner in partners.items()
+    }
     return replace(data, sources={**data.sources, **made})
 
 
@@ -55,43 +80,52 @@ def _other_moment(path: Path, ms: int) -> Features:
     return force_at(dataset.force_series(), table["rate_hz"].to_numpy(), moments)
 
 
-def _other_place(path: Path, data: TaskData, mm: int) -> Features:
+def _other_time(path: Path, ms: int) -> Features:
+    """Histories with the clock errors of `_other_moment`."""
+    from vtbench.data import Dataset
+
+    dataset = Dataset.open(path, verify=False)
+    table = dataset.columns(["id", "rate_hz"])
+    errors = clock_errors(table["id"].tolist(), ms / 1e3)
+    return in_steps(late(dataset.force_series(), table["rate_hz"].to_numpy(), errors), STEPS)
+
+
+def _other_place(data: TaskData, mm: int) -> Rows:
     places = np.stack([data.factor("pose_x_mm"), data.factor("pose_y_mm")], 1)
-    return _taken_from(path, data, nearest_distance(_same_object(data), places, mm))
+    return nearest_distance(_same_object(data), places, mm)
 
 
-def _other_press(path: Path, data: TaskData) -> Features:
-    return _taken_from(path, data, another(_same_object(data), SEED))
+def _other_press(data: TaskData) -> Rows:
+    return another(_same_object(data), SEED)
 
 
-def _other_class(path: Path, data: TaskData) -> Features:
-    return _taken_from(path, data, of_another_class(pools(half_of(data), *_unit(data)), data.labels, SEED))
+def _other_class(data: TaskData) -> Rows:
+    return of_another_class(pools(half_of(data), *_unit(data)), data.labels, SEED)
 
 
-def _same_object(data: TaskData) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+def _same_object(data: TaskData) -> Rows:
     return pools(data.labels, half_of(data), *_unit(data))
 
 
-def _unit(data: TaskData) -> list[np.ndarray[tuple[int], np.dtype[np.int64]]]:
+def _unit(data: TaskData) -> list[Rows]:
     return [data.factors["unit"]] if "unit" in data.factors else []
 
 
-def _taken_from(path: Path, data: TaskData, partner: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Features:
-    """Forces of the whole dataset, with those of the task's samples replaced by their partners'."""
-    from vtbench.data import Dataset
-
-    own = Dataset.open(path, verify=False).force()
+def _taken_from(data: TaskData, force: str, partner: Callable[[], Rows]) -> Features:
+    """Block `force` of the whole dataset, with that of the task's samples replaced by their partners'."""
+    own = data.sources[force]()
     given = own.copy()
-    given[data.rows] = own[data.rows[partner]]
+    given[data.rows] = own[data.rows[partner()]]
     return given
 
 
-def _both(about: str, block: str) -> Variant:
-    return Variant(about, SPLITS, stand_ins={FORCE.name: StandIn(train=block, test=block)})
+def _both(about: str, other: str) -> Variant:
+    """Force and its history are those of `other`, in training and testing."""
+    return Variant(about, SPLITS, stand_ins={name: StandIn(f"{name}~{other}", f"{name}~{other}") for name in OF_FORCE})
 
 
-def _test_only(about: str, block: str) -> Variant:
-    return Variant(about, SPLITS, stand_ins={FORCE.name: StandIn(test=block)})
+def _test_only(about: str, other: str) -> Variant:
+    return Variant(about, SPLITS, stand_ins={name: StandIn(test=f"{name}~{other}") for name in OF_FORCE})
 
 
 TASK = Task(
@@ -101,12 +135,12 @@ TASK = Task(
     load=_load,
     variants={
         "paired": Variant("frame and force of one press, as recorded", SPLITS),
-        **{f"time-{ms}ms": _both(f"clocks differ by up to {ms} ms", f"force~time-{ms}ms") for ms in TIMES_MS},
-        **{f"place-{mm}mm": _both(f"force of a press about {mm} mm away", f"force~place-{mm}mm") for mm in PLACES_MM},
-        "press-other": _both("force of any other press of the object", "force~press"),
-        "class-other": _both("force of another object: the control", "force~class"),
-        "test-press": _test_only("learnt on right pairs, tested with another press of the object", "force~press"),
-        "test-class": _test_only("learnt on right pairs, tested with the force of another object", "force~class"),
+        **{f"time-{ms}ms": _both(f"clocks differ by up to {ms} ms", f"time-{ms}ms") for ms in TIMES_MS},
+        **{f"place-{mm}mm": _both(f"force of a press about {mm} mm away", f"place-{mm}mm") for mm in PLACES_MM},
+        "press-other": _both("force of any other press of the object", "press"),
+        "class-other": _both("force of another object: the control", "class"),
+        "test-press": _test_only("learnt on right pairs, tested with another press of the object", "press"),
+        "test-class": _test_only("learnt on right pairs, tested with the force of another object", "class"),
     },
     modalities={
         "force": Feed((FORCE,)),
@@ -115,6 +149,9 @@ TASK = Task(
         "fused-equal": Feed((FRAME, FORCE)),
         "fused-change": Feed((CHANGE, FORCE), weights="chosen"),
         "fused-change-equal": Feed((CHANGE, FORCE)),
+        "pixels-change": Feed((PIXELS_CHANGE,), by_name=True),
+        "force-series": Feed((SERIES,), by_name=True),
+        "fused-pixels-change-equal": Feed((PIXELS_CHANGE, SERIES), by_name=True),
     },
     probes=PROBES,
 )

@@ -7,15 +7,17 @@ import pytest
 
 from tests.vtbench.data import fakes
 from tests.vtbench.run import small
+from vtbench.config import load_suite
 from vtbench.data import Dataset, write_dataset
 from vtbench.onnx_eval.tested import on_datasets
 from vtbench.run.features import DiskFeatures
+from vtbench.run.methods import METHODS
 from vtbench.tasks import TASKS, corruptions, presses
 from vtbench.tasks.base import NotPossibleError, TaskData
 from vtbench.tasks.corruptions import FORCE_FAULTS, FRAME_FAULTS, drawn_for, faulty_forces, faulty_frames
 from vtbench.tasks.few_shot import PRESSES
 from vtbench.tasks.granularity import felt
-from vtbench.tasks.mispairing import another, clock_errors, force_at, nearest_distance, of_another_class
+from vtbench.tasks.mispairing import another, clock_errors, force_at, late, nearest_distance, of_another_class
 from vtbench.tasks.presses import change
 from vtbench.tasks.study_splits import half_of, halves
 
@@ -102,6 +104,46 @@ def test_force_at_a_moment_is_the_force_of_that_moment():
     got = force_at([ramp, ramp, ramp], np.full(3, 1000.0), np.array([0.3, -1.0, 9.0]))
     np.testing.assert_allclose(got[0], [299.5, 599.0])
     np.testing.assert_allclose(got[1:, 0], [24.5, 974.5])  # before and after the recording: its ends
+
+
+def test_a_history_of_a_wrong_clock_is_the_force_of_that_time_held_at_its_ends():
+    ramp = np.arange(1000.0)[:, None] * [1.0, 2.0]  # at 1000 Hz: newtons are milliseconds
+    right, behind, ahead = late([ramp] * 3, np.full(3, 1000.0), np.array([0.0, -0.2, 0.3]))
+    np.testing.assert_array_equal(right, ramp)
+    np.testing.assert_array_equal(behind[200:], ramp[:-200])
+    np.testing.assert_array_equal(ahead[:-300], ramp[300:])
+    assert (behind[:200] == ramp[0]).all()
+    assert (ahead[-300:] == ramp[-1]).all()
+
+
+def test_a_history_is_as_badly_paired_as_the_force(folder, load):
+    """Where a variant takes the force of another press, it takes that press's history; clocks have the same error."""
+    data, dataset = load("pairing/v1"), Dataset.open(folder)
+    own, histories = dataset.force()[data.rows], data.block("force-series")
+    assert len(np.unique(histories, axis=0)) == len(data)
+    for other in ("place-4mm", "press", "class"):
+        source = np.array([np.flatnonzero((own == row).all(1))[0] for row in data.block(f"force~{other}")])
+        np.testing.assert_array_equal(data.block(f"force-series~{other}"), histories[source])
+    table = dataset.columns(["id", "rate_hz"])
+    shifted = late(dataset.force_series(), table["rate_hz"].to_numpy(), clock_errors(table["id"].tolist(), 0.2))
+    got = data.block("force-series~time-200ms")
+    np.testing.assert_array_equal(got, presses.in_steps(shifted, presses.STEPS)[data.rows])
+    assert (got != histories).any(1).mean() > 0.9  # of short histories some are off by less than a sample
+
+
+def test_every_feed_with_force_is_badly_paired():
+    """A feed that a variant forgot would be scored on right pairs under a wrong pair's name."""
+    task = TASKS.get("pairing/v1")
+    for name, variant in task.variants.items():
+        for block in {block.name for feed in task.modalities.values() for block in feed.blocks}:
+            assert (block in variant.stand_ins) is (name != "paired" and block.startswith("force"))
+
+
+def test_every_way_to_fuse_is_in_the_pairing_study():
+    entries = [entry for entry in load_suite("studies").entries if entry.task == "pairing/v1"]
+    fused = {name for entry in entries for name in entry.methods if any("fused" in feed for feed in entry.modalities)}
+    usual = {name for name in METHODS if name != "ipca-wknn" and not name.endswith("-no-dropout")}
+    assert fused == usual
 
 
 def test_no_force_crosses_from_training_to_test(folder, load):
