@@ -16,6 +16,7 @@ from typing import Any
 from vtbench.commands import MODULES
 from vtbench.commands.parser import Parser
 from vtbench.environment import pin_threads
+from vtbench.interruption import raise_interruption
 
 OK, PROBLEMS, BAD_INPUT, BUG, INTERRUPTED, NO_READER, TERMINATED = 0, 1, 2, 70, 130, 141, 143
 
@@ -101,6 +102,9 @@ def _run(args: Namespace) -> int:
     """The command's exit code; code of somebody else that calls `sys.exit` does not decide it."""
     try:
         code: int = args.run(args)
+    except SystemError as error:
+        raise_interruption(error)
+        raise
     except SystemExit as error:
         raise RuntimeError(f"something called sys.exit({error.code!r}) in the middle of the work") from error
     return code

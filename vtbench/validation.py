@@ -88,6 +88,12 @@ def _explain(problem: Any, model: Any, data: Any) -> str:
         return str(context.get("error", problem["msg"])).strip()
     if kind in _NO_MAPPING and (fields := _fields_at(model, problem["loc"])):
         return f"expected a mapping of {', '.join(fields)}, got {_short(got)}"
+    if kind == "too_short":
+        least = context["min_length"]
+        return f"expected at least {least} item{'s' if least > 1 else ''}, got {_short(got)}"
+    if kind in ("tuple_type", "list_type"):
+        like = "" if isinstance(got, Mapping | str | None) else f" such as [{_short(got)}]"
+        return f"expected a list{like}, got {_short(got)}"
     expected = problem["msg"].replace("Input should be", "expected", 1).split(", unable to parse")[0]
     for theirs, ours in _WORDS:
         expected = expected.replace(theirs, ours, 1)

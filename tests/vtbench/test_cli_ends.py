@@ -32,6 +32,41 @@ def test_sigterm_is_an_exit_code_and_leaves_the_handler_as_it_was(vtbench, monke
     assert signal.getsignal(signal.SIGTERM) is before
 
 
+def in_compiled_code(*_):
+    """A press during which SIGTERM comes while compiled code takes its arguments: what numba's dispatcher raises."""
+    try:
+        os.kill(os.getpid(), signal.SIGTERM)
+    except KeyboardInterrupt as signalled:
+        raise SystemError("CPUDispatcher returned a result with an exception set") from signalled
+
+
+def test_sigterm_inside_compiled_code_is_no_failure_of_a_sample(vtbench, monkeypatch, tmp_path):
+    monkeypatch.setattr("sensors.press.simulate", in_compiled_code)
+    answer = vtbench("generate", "fvsight-press", "-o", tmp_path / "set", "--samples", "1")
+    assert answer.code == 143
+    assert answer.err.endswith("vtbench: terminated; the same command goes on from the last whole shard\n")
+
+
+def test_sigterm_inside_compiled_code_ends_any_command_and_any_cell(vtbench, monkeypatch):
+    from vtbench.run.executor import attempt
+
+    monkeypatch.setattr("vtbench.commands.env.run", in_compiled_code)
+    assert vtbench("env").code == 143
+
+    class Cell:
+        key, timeout_s, evaluate = "cell", 60.0, staticmethod(in_compiled_code)
+
+    monkeypatch.setattr("vtbench.commands.env.run", lambda args: attempt(Cell()))
+    assert vtbench("env").code == 143
+
+
+def test_a_system_error_of_its_own_is_a_failure_of_its_sample(tmp_path):
+    from vtbench.data.shards import SampleError, naming_sample
+
+    with pytest.raises(SampleError, match="set, sample 3: SystemError: broken"), naming_sample("set", 3):
+        raise SystemError("broken")
+
+
 @pytest.mark.parametrize("code", [0, None, 3, "bye"])
 def test_a_strangers_exit_is_no_success(vtbench, monkeypatch, code):
     monkeypatch.setattr("vtbench.commands.env.run", lambda args: sys.exit(code))

@@ -39,6 +39,7 @@ class Sensor(_Part):
     by_name: dict[str, Camera] = {}
     view: Literal["crop", "full"] = "crop"
     span_mm: tuple[float, float] = (0.0, 1.0)
+    loads_n: tuple[float, ...] = Field((5.0,), min_length=1)
 
     @model_validator(mode="after")
     def _ordered(self):
@@ -73,6 +74,9 @@ def line_for(data, lines=None, source="sensor.yaml"):
         ({"view": 3}, "view: expected 'crop' or 'full', got 3"),
         ({"span_mm": [2, 1]}, "span_mm: expected low before high, got [2.0, 1.0]"),
         ({"camera": {"shutter": {}}}, "camera.shutter.rate_hz: expected this key, got nothing"),
+        ({"loads_n": []}, "loads_n: expected at least 1 item, got []"),
+        ({"span_mm": 3}, "span_mm: expected a list such as [3], got 3"),
+        ({"cameras": "left"}, "cameras: expected a list, got 'left'"),
     ],
 )
 def test_a_problem_is_key_expected_and_got(data, expected):

@@ -24,6 +24,7 @@ from vtbench.data.files import (
 from vtbench.data.format import CROISSANT_FILE, META_FILE, PARTIAL_FILE, arrow_schema, shard_name
 from vtbench.data.meta import DatasetMeta, Plan, Progress, ShardEntry, first_difference, read_meta, read_model
 from vtbench.data.table import Row, build_table, write_parquet
+from vtbench.interruption import raise_interruption
 from vtbench.scheduling import Cluster, Died
 
 RowMaker = Callable[[int], Row]
@@ -121,12 +122,13 @@ def _shard(plan: Plan, make_row: RowMaker, number: int) -> pa.Table:
 
 @contextmanager
 def naming_sample(dataset: str, index: int) -> Iterator[None]:
-    """Any failure but the system's as a `SampleError` that names dataset and sample."""
+    """Any failure but the system's as a `SampleError` that names dataset and sample; an interruption goes through."""
     try:
         yield
     except OSError:
         raise
     except Exception as error:
+        raise_interruption(error)
         raise SampleError(f"{dataset}, sample {index}: {_one_line(error)}") from error
 
 

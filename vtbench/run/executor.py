@@ -19,6 +19,7 @@ from multiprocessing import get_all_start_methods, get_context
 from multiprocessing.context import BaseContext
 from types import FrameType
 
+from vtbench.interruption import raise_interruption
 from vtbench.run.detection.detect import DetectionWork
 from vtbench.run.evaluate import Outcome
 from vtbench.run.evaluate import Work as ClassifierWork
@@ -74,6 +75,7 @@ def attempt(work: Work) -> Outcome:
     except NotPossibleError as error:
         outcome = Outcome(work.key, "skipped", _one_line(error))
     except (Exception, SystemExit) as error:  # a classifier that calls sys.exit must not end the run
+        raise_interruption(error)
         outcome = Outcome(work.key, "failed", f"{type(error).__name__}: {_one_line(error)}")
     return replace(outcome, started=started, finished=time.time())
 
