@@ -7,7 +7,8 @@ are independent given it. Nominal 95 % must cover 93 to 97 %, or the interval mu
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from argparse import ArgumentParser
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -114,5 +115,15 @@ def main(repeats: int = 1000) -> int:
     return wrong
 
 
+def _repeats(argv: Sequence[str] | None = None) -> int:
+    """The number on the command line."""
+    parser = ArgumentParser(prog="python -m leaderboard.coverage", description="What the intervals really cover.")
+    parser.add_argument("repetitions", nargs="?", type=int, default=1000, help="of each setting (default 1000)")
+    repeats = int(parser.parse_args(argv).repetitions)
+    if repeats < 1:
+        parser.error(f"expected at least 1 repetition, got {repeats}")
+    return repeats
+
+
 if __name__ == "__main__":
-    sys.exit(1 if main(*map(int, sys.argv[1:2])) else 0)
+    sys.exit(1 if main(_repeats()) else 0)

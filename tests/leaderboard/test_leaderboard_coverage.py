@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import runpy
+
 import pytest
 
 from leaderboard import statistics as st
@@ -35,6 +37,26 @@ def test_a_bad_interval_without_a_warning_is_not_honest() -> None:
     assert Coverage(setting, 85.0, 100.0, "").honest
     assert not Coverage(setting, 85.0, 10.0, "").honest
     assert not Coverage(setting, 99.0, 0.0, "").honest
+
+
+def told(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *words: str) -> tuple[object, str]:
+    """Exit code and everything printed by the module run as a program."""
+    monkeypatch.setattr("sys.argv", ["coverage", *words])
+    with pytest.warns(RuntimeWarning, match=r"found in sys\.modules"), pytest.raises(SystemExit) as end:
+        runpy.run_module("leaderboard.coverage", run_name="__main__")
+    return end.value.code, "".join(capsys.readouterr())
+
+
+def test_the_program_says_how_it_is_used_and_refuses_what_is_no_count(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code, text = told(capsys, monkeypatch, "--help")
+    assert code == 0
+    assert "[repetitions]" in text
+    for wrong in ("many", "0"):
+        code, text = told(capsys, monkeypatch, wrong)
+        assert code == 2
+        assert text.splitlines()[-1].startswith("python -m leaderboard.coverage: error: ")
 
 
 @pytest.mark.slow
