@@ -12,7 +12,7 @@ _HOME = {
     "KSC": "fusion.sparse_coding",
     "JKSC": "fusion.sparse_coding",
     "kernel_omp_gram": "fusion.komp",
-    "gram_lasso": "fusion.gram_lasso",
+    "gram_lasso": "fusion.coordinate_descent",
     "GlobalAlignment": "fusion.sequence",
     "WeightedKNN": "fusion.neighbors",
     "ErrorEllipsoid": "fusion.ellipsoids",

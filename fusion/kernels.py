@@ -12,10 +12,12 @@ from typing import Literal
 import numpy as np
 
 from fusion.arrays import FloatArray, frozen
+from fusion.settings import is_number
 
 Gamma = float | Literal["scale"]
 
 KERNELS = ("linear", "rbf", "precomputed")
+SMALLEST = float(np.finfo(np.float64).tiny)  # below it numbers lose digits
 
 
 def squared_distances(X: FloatArray, Y: FloatArray) -> FloatArray:
@@ -58,12 +60,16 @@ def rbf_kernel(X: FloatArray, Y: FloatArray, gamma: float) -> FloatArray:
     return np.asarray(np.exp(values, out=values))
 
 
-def cosine_normalize(K: FloatArray, self_x: FloatArray, self_y: FloatArray) -> FloatArray:
+def cosine_normalize(
+    K: FloatArray, self_x: FloatArray, self_y: FloatArray, *, out: FloatArray | None = None
+) -> FloatArray:
     """k(x, y) / sqrt(k(x, x) k(y, y)); rows and columns whose own value is not positive become 0.
 
-    K is (q, n), `self_x` (q,) holds k(x, x), `self_y` (n,) holds k(y, y).
+    K is (q, n), `self_x` (q,) holds k(x, x), `self_y` (n,) holds k(y, y). `out`: array (q, n) to write into, such as K.
     """
-    return K * inverse_root(self_x)[:, None] * inverse_root(self_y)[None, :]
+    values = np.multiply(K, inverse_root(self_x)[:, None], out=out)
+    values *= inverse_root(self_y)[None, :]
+    return np.asarray(values)
 
 
 def inverse_root(values: FloatArray) -> FloatArray:
@@ -72,11 +78,30 @@ def inverse_root(values: FloatArray) -> FloatArray:
     return np.where(positive, 1.0 / np.sqrt(np.where(positive, values, 1.0)), 0.0)
 
 
+def finite_squares(values: FloatArray) -> FloatArray:
+    """`values`, which are sums of squares; ValueError where one passed the largest number."""
+    if not np.isfinite(values).all():
+        raise ValueError("X holds values too large to square; scale the features first (StandardScaler).")
+    return values
+
+
+def check_squares_last(X: FloatArray) -> None:
+    """ValueError where the squares of all of X would be lost below the smallest number though X is not 0."""
+    largest = float(np.abs(X).max(initial=0.0))
+    if largest > 0 and largest * largest < SMALLEST:
+        raise ValueError("X holds values too small to square; scale the features first (StandardScaler).")
+
+
 def resolve_gamma(gamma: object, X: FloatArray) -> float:
-    """Number for `gamma`: "scale" is 1 / (columns x variance of X), 1 where X is constant, as in SVC."""
-    if gamma == "scale":
+    """Number for `gamma`: "scale" is 1 / (columns x variance of X), 1 where X is constant, as in SVC.
+
+    ValueError for another gamma, and for values so small that their variance keeps no digits.
+    """
+    if isinstance(gamma, str) and gamma == "scale":
         variance = float(X.var())
+        if variance < SMALLEST and X.min() != X.max():
+            raise ValueError("X holds values too small to square; scale the features first (StandardScaler).")
         return 1.0 / (X.shape[1] * variance) if variance > 0 else 1.0
-    if isinstance(gamma, (int, float, np.integer, np.floating)) and not isinstance(gamma, bool) and 0 < gamma < np.inf:
-        return float(gamma)
+    if is_number(gamma) and 0 < gamma < np.inf:  # type: ignore[operator]
+        return float(gamma)  # type: ignore[arg-type]
     raise ValueError(f"gamma must be 'scale' or a positive finite number, got {gamma!r}.")

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from fusion.arrays import FloatArray, IntArray, finite_matrix, frozen
 from fusion.gram import Gram, stored_gram
+from fusion.settings import is_number, whole_number
 from fusion.threads import count_threads, map_threads
 
 PivotTol = float | Literal["auto"]
@@ -49,8 +50,9 @@ def kernel_omp_gram(
     normalize_atoms : choose the atom by correlation over the atom's norm (True) or by frozen correlation.
         Coefficients are those of the atoms as given in both cases.
     pivot_tol : stop when the chosen atom's squared distance to the span of the earlier ones is at most this
-        part of its squared norm; "auto" is 100 k eps. It is also refused where it is within the rounding error
-        that ill-conditioned earlier atoms cause in it, so that a code holds no more atoms than the rank.
+        part of its squared norm; "auto" is 100 j eps for the j-th atom, whatever `n_nonzero_coefs` is. It is also
+        refused where it is within the rounding error that ill-conditioned earlier atoms cause in it, so that a
+        code holds no more atoms than the rank.
     n_jobs : threads over chunks of queries (-1: all cores); the result does not depend on it.
 
     Returns
@@ -62,11 +64,12 @@ def kernel_omp_gram(
 
     Besides the pivot, a query stops when the best correlation is at most 8 eps of its first one: a query
     that is an atom takes one atom, a zero query none. Ties go to the lowest index. Atoms with G_ii <= 0 are
-    never chosen.
+    never chosen. The codes of k atoms begin those of k + 1.
 
     Raises
     ------
-    ValueError : shapes that do not fit, values that are not finite, n_nonzero_coefs < 1.
+    ValueError : shapes that do not fit, values that are not finite, n_nonzero_coefs < 1, G so much smaller than K
+        that coefficients or energy pass the largest number.
 
     References
     ----------
@@ -113,14 +116,11 @@ def joint_komp(
     """
     from fusion.pursuit import pursue, scratch
 
-    if not isinstance(n_nonzero_coefs, (int, np.integer)) or n_nonzero_coefs < 1:
-        raise ValueError(f"n_nonzero_coefs must be a whole number of at least 1, got {n_nonzero_coefs!r}.")
+    most = whole_number("n_nonzero_coefs", n_nonzero_coefs, 1)
     kernels = frozen(kernels)
     n_modalities, n_queries, n_atoms = kernels.shape
-    k = min(int(n_nonzero_coefs), n_atoms)
-    tol = 100.0 * k * EPS if pivot_tol == "auto" else float(pivot_tol)
-    if not 0 <= tol < 1:
-        raise ValueError(f"pivot_tol must be 'auto' or a number in [0, 1), got {pivot_tol!r}.")
+    k = min(most, n_atoms)
+    tolerances = pivot_tolerances(pivot_tol, k)
     scales = _selection_scales(gram.diagonals, weights, normalize_atoms)
     indices = np.full((n_queries, k), -1, dtype=np.int64)
     coefs = np.zeros((n_modalities, n_queries, k))
@@ -130,13 +130,27 @@ def joint_komp(
         basis = scratch(n_modalities * k, n_atoms).reshape(n_modalities, k, -1)
         working = scratch(2 * n_modalities + 1, n_atoms)
         stop = min(start + size, n_queries)
-        pursue(gram, kernels, scales, tol, start, stop, basis, working, indices, coefs, energy)
+        pursue(gram, kernels, scales, tolerances, start, stop, basis, working, indices, coefs, energy)
 
     threads = count_threads(n_jobs)
     shares = 4 * threads if threads > 1 else 1  # each share pays for scratch that the memory has not seen
     size = chunk or max(LEAST_CHUNK, -(-n_queries // shares))
     map_threads(work, range(0, n_queries, size), n_jobs)
+    if not (np.isfinite(coefs).all() and np.isfinite(energy).all()):
+        raise ValueError("the atoms' kernel values are too small beside the queries': codes overflow; scale them.")
     return SparseCodes(indices, coefs, np.sum(indices >= 0, axis=1)), energy
+
+
+def pivot_tolerances(pivot_tol: PivotTol, k: int) -> FloatArray:
+    """Part of an atom's squared norm that must lie outside the earlier ones, for the first to the k-th atom: (k,).
+
+    "auto" grows with the atoms taken, not with k, so that a larger k never takes fewer.
+    """
+    if isinstance(pivot_tol, str) and pivot_tol == "auto":
+        return np.asarray(100.0 * np.arange(1, k + 1) * EPS, dtype=np.float64)
+    if not is_number(pivot_tol) or not 0 <= pivot_tol < 1:
+        raise ValueError(f"pivot_tol must be 'auto' or a number in [0, 1), got {pivot_tol!r}.")
+    return np.full(k, pivot_tol, dtype=np.float64)
 
 
 def _selection_scales(diagonals: FloatArray, weights: Sequence[float] | None, normalize_atoms: bool) -> FloatArray:

@@ -8,9 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from fusion.arrays import FloatArray, frozen
+from fusion.arrays import FloatArray, IntArray, frozen
 from fusion.gram import LINEAR, Gram, gram_on_demand, stored_gram
-from fusion.kernels import cosine_normalize, inverse_root, pair_matrix, resolve_gamma, squared_norms
+from fusion.kernels import (
+    check_squares_last,
+    cosine_normalize,
+    finite_squares,
+    inverse_root,
+    pair_matrix,
+    resolve_gamma,
+    squared_norms,
+)
+from fusion.settings import check_known, is_number
 
 KernelName = str | Callable[[FloatArray, FloatArray], FloatArray]
 COMPUTABLE = ("rbf", "linear")  # whose Gram rows can be had from the atoms at any time
@@ -33,6 +42,7 @@ class Modality:
         if kernel == "rbf":
             return cls(kernel, width, normalize, frozen(atoms.T), np.ones(len(atoms)))
         if kernel == "linear":
+            check_squares_last(atoms)
             return cls(kernel, width, normalize, frozen(atoms.T), squared_norms(atoms))
         if kernel == "precomputed":
             if atoms.shape[0] != atoms.shape[1]:
@@ -51,7 +61,8 @@ class Modality:
         else:
             matrix = self.atoms if self.kernel == "precomputed" else call_kernel(self.kernel, self.atoms, self.atoms)
         if self.normalize:
-            matrix = cosine_normalize(matrix, self.self_values, self.self_values)
+            own = matrix if self.kernel == "linear" else None  # in place, but never into what was given
+            matrix = cosine_normalize(matrix, self.self_values, self.self_values, out=own)
             np.fill_diagonal(matrix, np.where(self.self_values > 0, 1.0, 0.0))
         return matrix
 
@@ -62,8 +73,14 @@ class Modality:
 
 def dictionary(modalities: Sequence[Modality], store: bool) -> Gram:
     """The modalities' Gram matrices, stored, or to be computed row by row ("rbf" and "linear" only)."""
+    if store and len(modalities) == 1:
+        return stored_gram([modalities[0].gram()])
     if store:
-        return stored_gram([m.gram() for m in modalities])
+        n = len(modalities[0].self_values)
+        stack = np.empty((len(modalities), n, n))
+        for modality, place in zip(modalities, stack, strict=True):
+            place[:] = modality.gram()
+        return stored_gram(stack)
     normalised = [m.normalize and m.kernel == "linear" for m in modalities]
     return gram_on_demand(
         [m.atoms for m in modalities],
@@ -89,7 +106,7 @@ def kernel_rows(modalities: Sequence[Modality], queries: Sequence[FloatArray]) -
             out *= modality.gamma
             continue
         if modality.kernel == "linear":
-            own = _finite(squared_norms(part))
+            own = finite_squares(squared_norms(part))
             kernel = pair_matrix(part, modality.atoms, squared=False)
         elif modality.kernel == "precomputed":
             kernel, own = part, np.ones(len(part))
@@ -98,16 +115,10 @@ def kernel_rows(modalities: Sequence[Modality], queries: Sequence[FloatArray]) -
             own = own_values(modality.kernel, part) if modality.normalize else np.ones(len(part))
         out[:] = cosine_normalize(kernel, own, modality.self_values) if modality.normalize else kernel
     if modalities[0].kernel == "rbf":
-        shift = _finite(rows.min(axis=(0, 2)))[None, :, None]
+        shift = finite_squares(rows.min(axis=(0, 2)))[None, :, None]
         np.subtract(shift, rows, out=rows)
         np.exp(rows, out=rows)
     return rows
-
-
-def _finite(values: FloatArray) -> FloatArray:
-    if not np.isfinite(values).all():
-        raise ValueError("X holds values too large to square; scale the features first (StandardScaler).")
-    return values
 
 
 def call_kernel(kernel: KernelName, X: FloatArray, Y: FloatArray) -> FloatArray:
@@ -127,30 +138,61 @@ def own_values(kernel: KernelName, X: FloatArray) -> FloatArray:
 
 
 def modality_columns(modalities: Mapping[str, Any], n_features: int) -> dict[str, Any]:
-    """Checked columns of each modality; ValueError when one is empty or reaches past the last column."""
-    if not modalities:
-        raise ValueError("modalities must name at least one group of columns, or be None for all columns.")
+    """Checked columns of each modality: a slice, or column numbers (of a mask of truth values, where it is true).
+
+    ValueError, with the modality's name, when its columns are none, reach past the last column or are no columns.
+    """
+    if not isinstance(modalities, Mapping) or not modalities:
+        raise ValueError(
+            f"modalities must name at least one group of columns, or be None for all columns; got {modalities!r}."
+        )
     checked = {}
     for name, columns in modalities.items():
-        if isinstance(columns, slice):
-            inside = (columns.stop or 0) <= n_features
-            numbers = np.arange(n_features)[columns]
-        else:
-            numbers = np.asarray(columns, dtype=np.int64).ravel()
-            inside = not len(numbers) or bool((numbers.min() >= 0) and (numbers.max() < n_features))
+        numbers = _column_numbers(name, columns, n_features)
+        inside = (columns.stop or 0) <= n_features if isinstance(columns, slice) else _inside(numbers, n_features)
         if not inside or not len(numbers):
             raise ValueError(f"modality {name!r}: columns {columns!r} do not fit the {n_features} columns of X.")
         checked[name] = columns if isinstance(columns, slice) else numbers
     return checked
 
 
-def modality_weights(weights: Mapping[str, float] | None, names: Sequence[str]) -> dict[str, float]:
-    """Weight of each modality, 1 unless given; ValueError for unknown names or weights that make no sense."""
+def _column_numbers(name: object, columns: Any, n_features: int) -> IntArray:
+    wanted = f"modality {name!r}: columns must be a slice, whole numbers or a mask of length {n_features}, got "
+    if isinstance(columns, slice):
+        try:
+            return np.arange(n_features)[columns]
+        except (TypeError, ValueError):
+            raise ValueError(f"{wanted}{columns!r}.") from None
+    try:
+        given = np.asarray(columns)
+    except ValueError:  # lists of several lengths
+        raise ValueError(f"{wanted}{columns!r}.") from None
+    if given.dtype == bool and given.shape == (n_features,):
+        return np.flatnonzero(given)
+    if given.size and given.dtype.kind not in "iu":
+        raise ValueError(f"{wanted}{columns!r}.")
+    return given.astype(np.int64).ravel()
+
+
+def _inside(numbers: IntArray, n_features: int) -> bool:
+    return not len(numbers) or bool(numbers.min() >= 0 and numbers.max() < n_features)
+
+
+def modality_weights(
+    weights: Mapping[str, float] | None, names: Sequence[str], fitted: Mapping[str, float] | None = None
+) -> dict[str, float]:
+    """Weight of each modality, the fitted one (1 without any) unless given.
+
+    ValueError for unknown names or weights that make no sense.
+    """
+    if weights is not None and not isinstance(weights, Mapping):
+        raise ValueError(f"weights must map names of modalities to numbers, got {weights!r}.")
     given = dict(weights or {})
-    unknown = sorted(set(given) - set(names))
-    if unknown:
-        raise ValueError(f"weights name {', '.join(unknown)}; the modalities are {', '.join(names)}.")
-    values = {name: float(given.get(name, 1.0)) for name in names}
-    if not all(np.isfinite(v) and v >= 0 for v in values.values()) or not any(values.values()):
+    check_known("weights name", given, names)
+    for name, weight in given.items():
+        if not is_number(weight) or not 0 <= weight < np.inf:
+            raise ValueError(f"weights must be finite, not negative and not all 0; that of {name!r} is {weight!r}.")
+    values = {**dict.fromkeys(names, 1.0), **(fitted or {}), **{name: float(each) for name, each in given.items()}}
+    if not any(values.values()):
         raise ValueError(f"weights must be finite, not negative and not all 0; got {values}.")
     return values

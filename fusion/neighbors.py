@@ -11,8 +11,9 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fusion.arrays import FloatArray
-from fusion.kernels import squared_distances
+from fusion.kernels import finite_squares, squared_distances
 from fusion.nearest import smallest
+from fusion.settings import not_negative, whole_number
 
 BLOCK_BYTES = 2**25  # of distances per block of queries
 
@@ -75,6 +76,8 @@ class WeightedKNN(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         sums, nearest = self._class_sums(X)
         labels = self.classes_[np.argmax(sums, axis=1)]
         novel = self._below_threshold(sums, nearest)
+        if self.novelty_threshold is not None:
+            labels = _wide_enough(labels, self._novel_label)
         return np.where(novel, self._novel_label, labels) if novel.any() else np.asarray(labels)
 
     def predict_proba(self, X: ArrayLike) -> FloatArray:
@@ -89,11 +92,10 @@ class WeightedKNN(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     def _keep(self, data: FloatArray, labels: NDArray[Any], known: list[NDArray[Any]]) -> Self:
         if labels.dtype.kind not in "biu":  # whole numbers are classes; finding that out costs as much as the fit
             check_classification_targets(labels)
-        if not isinstance(self.n_neighbors, (int, np.integer)) or self.n_neighbors < 1:
-            raise ValueError(f"n_neighbors must be a whole number of at least 1, got {self.n_neighbors!r}.")
+        whole_number("n_neighbors", self.n_neighbors, 1)
         threshold = self.novelty_threshold
-        if threshold is not None and not 0 <= threshold < np.inf:
-            raise ValueError(f"novelty_threshold must be None or a finite number >= 0, got {threshold!r}.")
+        if threshold is not None:
+            not_negative("novelty_threshold, where it is not None,", threshold)
         classes = np.unique(np.concatenate([labels, *known]))
         novel_label = self._choose_novel_label(classes)
         if threshold is not None and novel_label in classes:
@@ -106,6 +108,8 @@ class WeightedKNN(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     def _choose_novel_label(self, classes: NDArray[Any]) -> Any:
         if not isinstance(self.novel_label, str) or self.novel_label != "auto":
             return self.novel_label
+        if classes.dtype.kind in "biu":  # as a Python number: it may not fit the labels' type
+            return min(-1, int(classes.min()) - 1)
         return "unknown" if classes.dtype.kind in "OUS" else min(-1, classes.min() - 1)
 
     def _class_sums(self, X: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -123,6 +127,7 @@ class WeightedKNN(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         distances = np.sqrt(squared_distances(data, self._samples))
         order = smallest(distances, self.n_neighbors)
         near = np.take_along_axis(distances, order, axis=1)
+        finite_squares(near[:, 0])
         weights = np.exp(near[:, :1] - near)
         sums = np.zeros((len(data), len(self.classes_)))
         rows = np.arange(len(data))
@@ -134,3 +139,14 @@ class WeightedKNN(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         if self.novelty_threshold is None:
             return np.zeros(len(sums), dtype=bool)
         return np.asarray(sums.max(axis=1) * np.exp(-nearest) < self.novelty_threshold)
+
+
+def _wide_enough(labels: NDArray[Any], novel: Any) -> NDArray[Any]:
+    """Whole-number labels in their own type where a whole-number `novel` fits it, else in int64, else as objects."""
+    if labels.dtype.kind not in "iu" or not isinstance(novel, (int, np.integer)):
+        return labels
+    for kind in (labels.dtype, np.dtype(np.int64)):
+        info = np.iinfo(kind)
+        if info.min <= int(novel) <= info.max and (kind == labels.dtype or np.can_cast(labels.dtype, kind)):
+            return labels.astype(kind, copy=False)
+    return labels.astype(object)

@@ -41,7 +41,7 @@ def pursue(
     gram: Gram,
     kernels: FloatArray,
     scales: FloatArray,
-    tol: float,
+    tolerances: FloatArray,
     start: int,
     stop: int,
     basis: FloatArray,
@@ -53,7 +53,8 @@ def pursue(
     """Write the codes of the queries from `start` to `stop` into `indices`, `coefs` and `energy`.
 
     `kernels` (M, q, n) holds M modalities' values of q queries with n atoms, `scales` (M, n) the factor on
-    each atom's correlation (0 bars the atom). `basis` (M, k, w) and `working` (2 M + 1, w) are `scratch`.
+    each atom's correlation (0 bars the atom), `tolerances` (k,) the least part of an atom's squared norm outside
+    those before it. `basis` (M, k, w) and `working` (2 M + 1, w) are `scratch`.
     `indices` (q, k) comes filled with -1, `coefs` (M, q, k) and `energy` (M, q) with 0.
     """
     n_modalities, n_queries, n = kernels.shape
@@ -102,7 +103,7 @@ def pursue(
                     factor = directions[place + earlier * TILE]
                     factors[own + earlier] = factor
                     pivot -= factor * factor
-                usable = diagonal > 0.0 and pivot > tol * diagonal
+                usable = diagonal > 0.0 and pivot > tolerances[step] * diagonal
                 if usable:
                     smallest[m] = min(smallest[m], pivot / diagonal)
                     if smallest[m] < DOUBTFUL_PIVOT:

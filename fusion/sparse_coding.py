@@ -13,10 +13,10 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from fusion.arrays import FloatArray
 from fusion.class_residual import class_residual, class_scores
+from fusion.coordinate_descent import check_penalty, gram_lasso
 from fusion.gram import Gram
-from fusion.gram_lasso import gram_lasso
 from fusion.kernels import KERNELS, Gamma
-from fusion.komp import PivotTol, SparseCodes, joint_komp
+from fusion.komp import PivotTol, SparseCodes, joint_komp, pivot_tolerances
 from fusion.modality import (
     COMPUTABLE,
     KernelName,
@@ -26,6 +26,8 @@ from fusion.modality import (
     modality_columns,
     modality_weights,
 )
+from fusion.seen import seen_columns_only
+from fusion.settings import check_jobs, check_known, not_negative, whole_number
 from fusion.threads import map_threads
 
 BLOCK_BYTES = 2**22  # of kernel rows that a thread takes at once
@@ -102,10 +104,7 @@ class KSC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         data, labels = validate_data(self, X, y, dtype=np.float64)
         if labels.dtype.kind not in "biu":  # whole numbers are classes; finding that out costs as much as the fit
             check_classification_targets(labels)
-        if not callable(self.kernel) and self.kernel not in KERNELS:
-            raise ValueError(f"kernel must be one of {', '.join(KERNELS)}, or a function; got {self.kernel!r}.")
-        if self.solver not in ("komp", "lasso"):
-            raise ValueError(f"solver must be one of komp, lasso; got {self.solver!r}.")
+        self._check_parameters()
         self.classes_, self._atom_class = np.unique(labels, return_inverse=True)
         self._columns = self._modality_columns(data.shape[1])
         self._modalities = {
@@ -127,6 +126,20 @@ class KSC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         tags = super().__sklearn_tags__()
         tags.input_tags.pairwise = self.kernel == "precomputed"
         return tags
+
+    def _check_parameters(self) -> None:
+        if not callable(self.kernel) and self.kernel not in KERNELS:
+            raise ValueError(f"kernel must be one of {', '.join(KERNELS)}, or a function; got {self.kernel!r}.")
+        if self.solver not in ("komp", "lasso"):
+            raise ValueError(f"solver must be one of komp, lasso; got {self.solver!r}.")
+        if not isinstance(self.normalize_kernel, (bool, np.bool_)):
+            raise ValueError(f"normalize_kernel must be True or False, got {self.normalize_kernel!r}.")
+        whole_number("n_nonzero_coefs", self.n_nonzero_coefs, 1)
+        pivot_tolerances(self.pivot_tol, 1)
+        check_penalty(self.penalty)
+        whole_number("max_sweeps", self.max_sweeps, 1)
+        not_negative("tol", self.tol)
+        check_jobs(self.n_jobs)
 
     def _modality_columns(self, n_features: int) -> dict[str, Any]:
         return {WHOLE: slice(0, n_features)}
@@ -154,8 +167,8 @@ class KSC(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
     def _decision(self, X: ArrayLike, weights: Mapping[str, float]) -> FloatArray:
         check_is_fitted(self)
-        data = validate_data(self, X, dtype=np.float64, reset=False)
         used = {name: weight for name, weight in weights.items() if weight > 0}
+        data = seen_columns_only(self, X, self._columns, used)
         places = [place for place, name in enumerate(self._modalities) if name in used]
         used = {name: used[name] for name in self._modalities if name in used}
         groups = [(members, self._gram.part([places[i] for i in members])) for members in self._coupled(len(used))]
@@ -265,24 +278,27 @@ class JKSC(KSC):
         return self
 
     def decision_function(self, X: ArrayLike, *, weights: Mapping[str, float] | None = None) -> FloatArray:
-        """Minus the summed class residuals, as in KSC; `weights` replaces the fitted ones for this call."""
+        """Minus the summed class residuals, as in KSC; `weights` as in `predict`."""
         return self._decision(X, self._call_weights(weights))
 
     def predict(self, X: ArrayLike, *, weights: Mapping[str, float] | None = None) -> NDArray[Any]:
-        """Label of each row of X (q, d); `weights` replaces the fitted ones for this call.
+        """Label of each row of X (q, d); `weights` takes the place of the fitted ones for the modalities it names.
 
-        A modality that is missing gets weight 0, {"force": 0}; its columns may then hold any finite number.
+        A modality that is missing gets weight 0, {"force": 0}: its columns are not looked at and may hold anything,
+        NaN and infinity too.
         """
         return self._predict(X, self._call_weights(weights))
 
     def _call_weights(self, weights: Mapping[str, float] | None) -> dict[str, float]:
         check_is_fitted(self)
-        return self._weights if weights is None else modality_weights(weights, list(self._columns))
+        return self._weights if weights is None else modality_weights(weights, list(self._columns), self._weights)
 
     def _modality_columns(self, n_features: int) -> dict[str, Any]:
-        if self.modalities is None:
-            return super()._modality_columns(n_features)
-        return modality_columns(self.modalities, n_features)
+        given = self.modalities
+        columns = super()._modality_columns(n_features) if given is None else modality_columns(given, n_features)
+        if isinstance(self.gamma, Mapping):
+            check_known("gamma names", self.gamma, columns)
+        return columns
 
     def _modality_gamma(self, name: str) -> object:
         return self.gamma.get(name, "scale") if isinstance(self.gamma, Mapping) else self.gamma

@@ -20,6 +20,8 @@ from fusion.neural.layout import FloatArray, Layout
 from fusion.neural.net import Net
 from fusion.neural.ops import NumpyOps
 from fusion.neural.transformer import Transformer
+from fusion.seen import seen_columns_only
+from fusion.settings import not_negative, positive, share, whole_number
 
 ROWS = 128  # predicted at once
 
@@ -61,7 +63,7 @@ class _FusionNet(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         check_is_fitted(self, "_weights")
         kept = KeptNet(
             type(self).__name__,
-            self.get_params(),
+            {**self.get_params(), "modalities": self._modality_columns()},
             self.n_features_in_,
             self.n_epochs_,
             self._scales,
@@ -83,6 +85,12 @@ class _FusionNet(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         net._net = net._sized(Layout.of(net.modalities, net.shapes, kept.n_features), len(kept.classes))
         net._weights, net._scales = dict(kept.weights), dict(kept.scales)
         return net
+
+    def _modality_columns(self) -> dict[str, tuple[int, ...]] | None:
+        """Column numbers of each modality, whatever they were given as."""
+        if self.modalities is None:
+            return None
+        return {part.name: part.columns for part in self._net.layout.parts}
 
     def _sized(self, layout: Layout, n_classes: int) -> Net:
         raise NotImplementedError
@@ -129,9 +137,10 @@ class _FusionNet(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
     def _logits(self, X: ArrayLike, missing: Collection[str]) -> FloatArray:
         check_is_fitted(self, "_weights")
-        data = validate_data(self, X, dtype=np.float64, reset=False)
         layout = self._net.layout
         there = [part for part, seen in zip(layout.parts, layout.present(missing), strict=True) if seen]
+        columns = {part.name: list(part.columns) for part in layout.parts}
+        data = seen_columns_only(self, X, columns, [part.name for part in there])
         logits = []
         for start in range(0, len(data), ROWS):
             rows = data[start : start + ROWS]
@@ -141,19 +150,14 @@ class _FusionNet(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
     def _check_parameters(self) -> None:
         for name, least in self._LEAST.items():
-            value = getattr(self, name)
-            if not (isinstance(value, (int, np.integer)) and not isinstance(value, bool) and value >= least):
-                raise ValueError(f"{name} must be a whole number of at least {least}, got {value!r}.")
+            whole_number(name, getattr(self, name), least)
         if self.validation_folds == 1:
             raise ValueError("validation_folds must be 0 or at least 2: one fold would leave nothing to learn from.")
-        if not self.learning_rate > 0:
-            raise ValueError(f"learning_rate must be positive, got {self.learning_rate!r}.")
+        positive("learning_rate", self.learning_rate)
         for name in ("weight_decay", "noise"):
-            if not 0 <= getattr(self, name) < np.inf:
-                raise ValueError(f"{name} must be finite and not negative, got {getattr(self, name)!r}.")
+            not_negative(name, getattr(self, name))
         for name in ("label_smoothing", "modality_dropout"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise ValueError(f"{name} must lie in 0 to 1, got {getattr(self, name)!r}.")
+            share(name, getattr(self, name))
 
     _LEAST: ClassVar[Mapping[str, int]] = {"epochs": 1, "batch_size": 1, "validation_folds": 0, "width": 2}
 
@@ -184,7 +188,8 @@ class LateFusionNet(_FusionNet):
     n_features_in_ : columns of X.
 
     Modalities are scaled by what the training rows say. A modality that is missing is named when predicting,
-    `predict(X, missing=("image",))`: its columns may then hold any finite number.
+    `predict(X, missing=("image",))`: its columns are not looked at and may hold anything, NaN and infinity too. Where
+    learning diverges `fit` raises ValueError.
 
     References
     ----------

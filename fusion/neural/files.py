@@ -40,12 +40,15 @@ class KeptNet:
 
 
 def write_net(path: Path, kept: KeptNet) -> Path:
-    """Write a net; ValueError for labels that are neither numbers nor text."""
+    """Write a net; ValueError for labels that are neither numbers nor text, and for modalities not named by text."""
     classes = kept.classes
     if classes.dtype == object and all(isinstance(label, str) for label in classes):
         classes = classes.astype(np.str_)
     if classes.dtype.kind not in "biufU":
         raise ValueError(f"labels must be numbers or text to be saved, got {classes.dtype}.")
+    odd = [name for name in kept.scales if not isinstance(name, str)]
+    if odd:
+        raise ValueError(f"modalities must have names of text to be saved, got {odd[0]!r}.")
     header = {
         "format": FORMAT,
         "kind": kept.kind,
@@ -100,11 +103,9 @@ def _named(file: Any, kind: str) -> dict[str, FloatArray]:
 
 
 def _plain(value: Any) -> Any:
-    """A parameter as JSON: columns as a list of their numbers."""
+    """A parameter as JSON."""
     if isinstance(value, Mapping):
         return {str(name): _plain(each) for name, each in value.items()}
-    if isinstance(value, slice):
-        return list(range(value.start or 0, value.stop, value.step or 1))
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, np.generic):

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fusion.modality import modality_columns
+from fusion.settings import check_known
 
 FloatArray = NDArray[np.float64]
 WHOLE = "all"
@@ -57,9 +58,9 @@ class Layout:
         """
         given = {WHOLE: slice(0, n_features)} if modalities is None else modalities
         columns = modality_columns(given, n_features)
-        unknown = sorted(set(shapes or {}) - set(columns))
-        if unknown:
-            raise ValueError(f"shapes name {', '.join(unknown)}; the modalities are {', '.join(columns)}.")
+        if shapes is not None and not isinstance(shapes, Mapping):
+            raise ValueError(f"shapes must map names of modalities to shapes, got {shapes!r}.")
+        check_known("shapes name", shapes or {}, columns)
         parts = []
         for name, chosen in columns.items():
             numbers = np.arange(n_features)[chosen].tolist()
@@ -75,9 +76,7 @@ class Layout:
         """(modalities,) whether each is there when those `missing` are not; ValueError for an unknown name or none."""
         if isinstance(missing, str):
             raise ValueError(f"missing must be a collection of names, such as ({missing!r},), got a text.")
-        unknown = sorted(set(missing) - set(self.names))
-        if unknown:
-            raise ValueError(f"missing names {', '.join(unknown)}; the modalities are {', '.join(self.names)}.")
+        check_known("missing names", missing, self.names)
         there = np.array([name not in missing for name in self.names])
         if not there.any():
             raise ValueError("missing names every modality: at least one must be there.")

@@ -67,7 +67,7 @@ def learn(
     """Learn from rows of X (n, columns) with class indices (n,); `stop` ends after that many epochs of the schedule.
 
     The same generator, data and kind of device give the same weights: torch draws no random number here, and on the
-    CPU it works on one thread.
+    CPU it works on one thread. ValueError where learning diverges.
     """
     layout = net.layout
     scales = {part.name: Scale.of(part, part.of(data)) for part in layout.parts}
@@ -93,6 +93,7 @@ def learn(
             _step(net, weights, optimizer, inputs, labels, chosen, present, schedule, rng)
         if checks is not None:
             losses.append(_loss(net, weights, *checks, place))
+    _check_learnt(weights, [*losses, _loss(net, weights, rows, target, place)], schedule)
     kept = {name: weight.detach().cpu().numpy().astype(np.float64) for name, weight in weights.items()}
     return Learnt(kept, scales, np.array(losses))
 
@@ -110,7 +111,7 @@ def drop_modalities(n: int, modalities: int, share: float, rng: np.random.Genera
 
 def torch_device(device: str) -> torch.device:
     """The torch device of that name; ValueError where it is unknown or not there."""
-    kind = device.partition(":")[0]
+    kind = device.partition(":")[0] if isinstance(device, str) else ""
     if kind not in ("cpu", "cuda"):
         raise ValueError(f"device must be 'cpu' or 'cuda', got {device!r}.")
     if kind == "cuda" and not torch.cuda.is_available():
@@ -148,6 +149,15 @@ def _step(
     loss.backward()  # type: ignore[no-untyped-call]
     torch.nn.utils.clip_grad_norm_(list(weights.values()), GRADIENT_LIMIT)
     optimizer.step()
+
+
+def _check_learnt(weights: Mapping[str, torch.Tensor], losses: list[float], schedule: Schedule) -> None:
+    """ValueError where a weight or one of the losses is not finite."""
+    if not (np.isfinite(losses).all() and all(bool(torch.isfinite(weight).all()) for weight in weights.values())):
+        raise ValueError(
+            f"learning diverged: loss or weights are not finite at learning_rate={schedule.learning_rate!r}, "
+            f"weight_decay={schedule.weight_decay!r}; lower them."
+        )
 
 
 def _loss(net: Net, weights: Mapping[str, Any], data: Arrays, target: Rows, place: torch.device) -> float:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from fusion.komp import pivot_tolerances
 from fusion.onnx.builder import Graph, integers
 from fusion.onnx.ends import between_two
 from fusion.onnx.kernels import GraphKernel, kernel_rows
@@ -62,7 +63,7 @@ def pursue(
     """Codes of all queries; `rows` are the modalities' kernel values (N, n) of queries with atoms."""
     n = kernels[0].n_atoms
     k = min(n_nonzero_coefs, n)
-    tol = 100.0 * k * EPS if pivot_tol == "auto" else float(pivot_tol)
+    tolerances = pivot_tolerances(pivot_tol, k)
     scales = [np.sqrt(weight) * kernel.selection for kernel, weight in zip(kernels, weights, strict=True)]
     tracks = [_Track(kernel, row) for kernel, row in zip(kernels, rows, strict=True)]
     free = g.op("Add", g.op("Mul", rows[0], 0.0), 1.0)
@@ -75,7 +76,7 @@ def pursue(
         first = first or best
         going = g.every(g.op("Greater", best, g.op("Mul", first, 8.0 * EPS)), g.op("Greater", best, 0.0))
         alive = g.op("And", alive, going) if alive else going
-        usable = [track.step(g, step, k, atom, alive, tol) for track in tracks]
+        usable = [track.step(g, step, k, atom, alive, float(tolerances[step])) for track in tracks]
         independent = usable[0]
         for other in usable[1:]:
             independent = g.op("Or", independent, other)

@@ -2,16 +2,21 @@
 
 import subprocess
 import sys
+from importlib import import_module
 
 import pytest
 
 import fusion
 import fusion.features
+import fusion.neural
 
 
-@pytest.mark.parametrize("package", [fusion, fusion.features])
+@pytest.mark.parametrize("package", [fusion, fusion.features, fusion.neural])
 def test_every_public_name_resolves(package):
+    for home in package._HOME.values():
+        import_module(home)  # a submodule of a public name's name would stand in its way from then on
     for name in package.__all__:
+        assert callable(getattr(package, name))
         assert getattr(package, name).__doc__
         assert name in dir(package)
     with pytest.raises(AttributeError, match="no attribute 'KSB'"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from sklearn.linear_model import Lasso, MultiTaskLasso
 
-from fusion.gram_lasso import gram_lasso
+from fusion import gram_lasso
 
 
 def lasso(grams, kernels, penalty, **limits):

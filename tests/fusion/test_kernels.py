@@ -40,6 +40,13 @@ def test_gamma_scale_makes_the_kernel_blind_to_the_unit():
     assert resolve_gamma("scale", np.ones((4, 2))) == 1.0
 
 
+@pytest.mark.parametrize("size", [1e-160, 1e-300])
+def test_gamma_scale_of_values_whose_variance_keeps_no_digits_is_refused(size):
+    with pytest.raises(ValueError, match="too small to square; scale the features"):
+        resolve_gamma("scale", size * X)
+    assert resolve_gamma("scale", np.full((4, 2), size)) == 1.0
+
+
 @pytest.mark.parametrize("gamma", ["auto", 0, -1.0, np.nan, np.inf, None, True])
 def test_a_gamma_without_meaning_is_refused(gamma):
     with pytest.raises(ValueError, match="gamma must be 'scale' or a positive finite number"):

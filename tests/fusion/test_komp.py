@@ -1,9 +1,11 @@
 """Laws of kernel orthogonal matching pursuit."""
 
+from itertools import pairwise
+
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from sklearn.linear_model import orthogonal_mp_gram
 
@@ -61,8 +63,8 @@ def pursuit_in_80_digits(G, K, k):
     return support, [float(v) for v in x]
 
 
-@pytest.mark.parametrize("gamma", [0.3, 0.01])
-def test_agrees_with_an_80_digit_reference(gamma):
+@pytest.mark.parametrize(("gamma", "rtol"), [(0.3, 1e-12), (0.01, 1e-9)])
+def test_agrees_with_an_80_digit_reference(gamma, rtol):
     rng = np.random.default_rng(5)
     atoms, queries = rng.normal(size=(12, 3)), rng.normal(size=(3, 3))
     indices, coefs, _, _ = kernel_omp_gram(rbf_kernel(atoms, atoms, gamma), rbf_kernel(queries, atoms, gamma), 4)
@@ -77,7 +79,7 @@ def test_agrees_with_an_80_digit_reference(gamma):
         for row, x, query in zip(indices, coefs, queries.tolist(), strict=True):
             support, expected = pursuit_in_80_digits(G, [value(query, a) for a in atoms.tolist()], 4)
             assert row.tolist() == support
-            np.testing.assert_allclose(x, expected, rtol=1e-6)
+            np.testing.assert_allclose(x, expected, rtol=rtol)
 
 
 def test_residual_is_orthogonal_to_the_selected_atoms_and_energy_is_the_projection():
@@ -92,14 +94,31 @@ def test_residual_is_orthogonal_to_the_selected_atoms_and_energy_is_the_projecti
 
 
 @settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 10_000), log_gamma=st.floats(-12, 3))
-def test_residual_energy_never_rises_with_k(seed, log_gamma):
+@given(seed=st.integers(0, 10_000), log_gamma=st.floats(-12, 3), pivot_tol=st.sampled_from(["auto", 0.0, 1e-12]))
+@example(seed=8, log_gamma=-4.0, pivot_tol="auto")
+def test_residual_energy_never_rises_with_k(seed, log_gamma, pivot_tol):
     rng = np.random.default_rng(seed)
     atoms, queries = rng.normal(size=(20, 4)), rng.normal(size=(5, 4))
     G, K = (rbf_kernel(x, atoms, 10.0**log_gamma) for x in (atoms, queries))
-    energies = np.array([kernel_omp_gram(G, K, k, pivot_tol=1e-12)[3] for k in range(1, 21)])
+    codes = [kernel_omp_gram(G, K, k, pivot_tol=pivot_tol) for k in range(1, 21)]
+    energies = np.array([energy for _, _, _, energy in codes])
     assert np.all(np.diff(energies, axis=0) >= 0)
     assert np.all(energies <= 1 + 1e-9)
+    for (less, *_), (more, *_) in pairwise(codes):  # a larger k goes on where a smaller one ended
+        assert np.all((less == more[:, :-1]) | (less < 0))
+        assert np.all(more[:, -1][(less < 0).any(axis=1)] < 0)
+
+
+@pytest.mark.parametrize("more", [0, 3, 30])
+def test_a_second_atom_must_lie_200_eps_outside_the_first_however_many_are_asked_for(more):
+    eps = np.finfo(float).eps
+    for pivot, taken in ((150 * eps, 1), (300 * eps, 2)):
+        G = np.eye(2 + more)
+        G[0, 1] = G[1, 0] = np.sqrt(1 - pivot)
+        K = np.zeros((1, 2 + more))
+        K[0, :2] = 1.0, 0.5
+        _, _, n_selected, _ = kernel_omp_gram(G, K, 2 + more)
+        assert n_selected.tolist() == [taken]
 
 
 def test_permuting_the_atoms_permutes_the_support():
@@ -256,6 +275,12 @@ def test_values_that_are_not_finite_are_refused(bad, where):
     (G if where == "G" else K)[1, 2] = bad
     with pytest.raises(ValueError, match=f"{where} holds values that are not finite"):
         kernel_omp_gram(G, K, 2)
+
+
+@pytest.mark.parametrize(("own", "value"), [(1e-310, 1.0), (1e-320, 1e-10)])
+def test_codes_that_no_number_holds_are_refused(own, value):
+    with pytest.raises(ValueError, match="codes overflow"):
+        kernel_omp_gram(own * np.eye(3), np.full((1, 3), value), 2)
 
 
 def test_shapes_and_counts_that_do_not_fit_are_refused():

@@ -70,6 +70,25 @@ def test_the_novel_label_follows_the_kind_of_the_labels_or_the_choice():
         WeightedKNN(**strict, novel_label=3).fit(X, y)
 
 
+@pytest.mark.parametrize(
+    ("labels", "novel"),
+    [(np.uint8([0, 255]), -1), (np.uint8([1, 255]), -1), (np.int8([-128, 3]), -129), (np.uint64([0, 2**64 - 1]), -1),
+     (np.int64([-(2**63), 0]), -(2**63) - 1)],
+)  # fmt: skip
+def test_a_novel_sample_gets_no_known_label_whatever_type_the_labels_have(labels, novel):
+    model = WeightedKNN(1, novelty_threshold=0.5).fit([[0.0], [10.0]], labels)
+    rows = [[0.0], [10.0], [100.0]]
+    assert model.is_novel(rows).tolist() == [False, False, True]
+    assert model.predict(rows).tolist() == [*labels.tolist(), novel]
+    assert model.predict(rows[:1]).dtype == model.predict(rows).dtype
+
+
+def test_distances_that_no_number_holds_are_refused():
+    X, y, queries, _ = clusters()
+    with pytest.raises(ValueError, match="too large to square; scale the features"):
+        WeightedKNN().fit(X, y).predict_proba(1e160 * queries)
+
+
 def test_classes_added_one_at_a_time_end_as_all_at_once():
     X, y, queries, _ = clusters(5)
     order = np.argsort(y, kind="stable")
@@ -104,7 +123,17 @@ def test_fewer_samples_than_neighbours_use_all_of_them():
     np.testing.assert_allclose(model.predict_proba([[0.2]])[0], expected)
 
 
-@pytest.mark.parametrize("params", [{"n_neighbors": 0}, {"n_neighbors": 2.5}, {"novelty_threshold": -1.0}], ids=str)
+@pytest.mark.parametrize(
+    "params",
+    [
+        {"n_neighbors": 0},
+        {"n_neighbors": 2.5},
+        {"n_neighbors": True},
+        {"novelty_threshold": -1.0},
+        {"novelty_threshold": "x"},
+    ],
+    ids=str,
+)
 def test_wrong_settings_are_named(params):
     with pytest.raises(ValueError, match=next(iter(params))):
         WeightedKNN(**params).fit([[0.0], [1.0]], [0, 1])

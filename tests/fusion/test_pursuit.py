@@ -33,7 +33,6 @@ def solve_transposed(lower, values):
 
 def plain_pursuit(grams, kernels, k, weights):
     """Simultaneous kernel OMP of one query, whole rows at a time: support, coefficients (M, k), energies (M,)."""
-    tol = 100.0 * k * EPS
     n = len(kernels[0])
     correlations = [kernel.copy() for kernel in kernels]
     diagonals = [gram.diagonal() for gram in grams]
@@ -58,7 +57,7 @@ def plain_pursuit(grams, kernels, k, weights):
                 lower[m, step, earlier] = basis[m, earlier, atom]
                 row -= basis[m, earlier, atom] * basis[m, earlier]
             pivot, own = row[atom], diagonals[m][atom]
-            usable = pivot > tol * own
+            usable = pivot > 100 * (step + 1) * EPS * own
             if usable:
                 smallest[m] = min(smallest[m], pivot / own)
             if usable and smallest[m] < 1e-4:
@@ -167,7 +166,7 @@ def test_scratch_of_another_tile_size_is_refused():
     gram, kernels = stored_gram([np.eye(5)]), frozen(np.ones((1, 1, 5)))
     codes = np.full((1, 2), -1), np.zeros((1, 1, 2)), np.zeros((1, 1))
     with pytest.raises(ValueError, match="whole tiles"):
-        pursue(gram, kernels, np.ones((1, 5)), 0.0, 0, 1, np.empty((1, 2, 5)), np.empty((3, 5)), *codes)
+        pursue(gram, kernels, np.ones((1, 5)), np.zeros(2), 0, 1, np.empty((1, 2, 5)), np.empty((3, 5)), *codes)
 
 
 @pytest.mark.slow

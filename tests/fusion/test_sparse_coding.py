@@ -1,6 +1,7 @@
 """Laws of the sparse-coding classifiers KSC and JKSC."""
 
 import pickle
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -8,9 +9,10 @@ from sklearn.neighbors import KNeighborsClassifier
 
 from fusion import JKSC, KSC
 from fusion.class_residual import class_residual, class_scores
+from fusion.features import ModalityPCA
 from fusion.gram import stored_gram
 from fusion.kernels import rbf_kernel
-from fusion.komp import kernel_omp_gram
+from fusion.komp import joint_komp, kernel_omp_gram
 
 MODALITIES = {"image": slice(0, 8), "force": slice(8, 12)}
 
@@ -80,10 +82,19 @@ def test_score_is_minus_the_paper_residual_computed_class_by_class():
 
 
 @pytest.mark.parametrize("model", both_kinds(), ids=str)
-def test_classes_without_a_selected_atom_score_finitely_below_the_others(model):
+def test_classes_without_a_selected_atom_score_finitely_below_the_others(model, monkeypatch):
+    seen = []
+    monkeypatch.setattr(
+        "fusion.sparse_coding.class_scores", lambda residual, found: seen.append(found) or class_scores(residual, found)
+    )
     X, y, queries, _ = clusters(n_classes=12, per_class=3)
     scores = model.set_params(n_nonzero_coefs=2).fit(X, y).decision_function(queries)
     assert np.isfinite(scores).all()
+    found = np.concatenate(seen)
+    mixed = found.any(axis=1) & ~found.all(axis=1)
+    assert mixed.sum() > 10
+    for row, chosen in zip(scores[mixed], found[mixed], strict=True):
+        assert row[~chosen].max() < row[chosen].min()
 
 
 def test_masked_classes_lie_below_every_other_at_any_scale():
@@ -113,6 +124,29 @@ def test_every_kernel_width_has_a_finite_answer(model, gamma):
     model = model.set_params(gamma=gamma).fit(X, y)
     assert np.isfinite(model.decision_function(queries)).all()
     assert np.mean(model.predict(queries) == truth) > 0.85
+
+
+@pytest.mark.parametrize("coupling", ["shared", "independent"])
+@pytest.mark.parametrize("gammas", [(0.02, 0.02), (0.01, 0.3), (0.4, 0.005)], ids=str)
+def test_joint_scores_are_those_of_unshifted_kernels_times_one_factor_a_query(coupling, gammas):
+    """A shift of its own in each modality would weigh the modalities anew for every query."""
+    X, y, queries, _ = clusters(20, spread=1.2)
+    weights = [1.0, 0.6]
+    joint = JKSC(MODALITIES, coupling=coupling, gamma=dict(zip(MODALITIES, gammas, strict=True)))
+    joint = joint.set_params(weights=dict(zip(MODALITIES, weights, strict=True))).fit(X, y)
+    parts = [(X[:, c], queries[:, c], g) for c, g in zip(MODALITIES.values(), gammas, strict=True)]
+    grams = [rbf_kernel(x, x, g) for x, _, g in parts]
+    kernels = np.stack([rbf_kernel(q, x, g) for x, q, g in parts])
+    residual, has_atom = np.zeros((len(queries), 5)), np.zeros((len(queries), 5), dtype=bool)
+    for members in [[0, 1]] if coupling == "shared" else [[0], [1]]:
+        gram, k, w = stored_gram([grams[m] for m in members]), kernels[members], [weights[m] for m in members]
+        codes, _ = joint_komp(gram, k, 10, weights=w)
+        part, found = class_residual(gram, k, codes.indices, codes.coefs, y, 5, w)
+        residual, has_atom = residual + part, has_atom | found
+    scores = joint.decision_function(queries)
+    factor = kernels.max(axis=(0, 2))[:, None] ** 2
+    np.testing.assert_allclose((scores * factor)[has_atom], -residual[has_atom], rtol=1e-7, atol=1e-12)
+    np.testing.assert_array_equal(joint.predict(queries), np.argmax(class_scores(residual, has_atom), axis=1))
 
 
 def test_the_shift_changes_no_label():
@@ -169,7 +203,9 @@ def test_taxels_that_all_read_the_same_leave_the_labels_to_the_image(kernel, cou
     if kernel == "linear":
         assert agreement == 1
     elif coupling == "shared":
-        assert agreement > 0.7  # alone, such a modality speaks for the class of the first atom
+        assert agreement > 0.7
+    else:  # a code of its own speaks for the class of the first atom, and no image outweighs it
+        np.testing.assert_array_equal(joint.predict(queries), y[0])
 
 
 @pytest.mark.parametrize("coupling", ["shared", "independent"])
@@ -177,11 +213,60 @@ def test_a_modality_of_weight_zero_is_as_if_it_were_not_there(coupling):
     X, y, queries, _ = clusters(8)
     model = JKSC(MODALITIES, coupling=coupling).fit(X, y)
     alone = KSC().fit(X[:, :8], y).decision_function(queries[:, :8])
-    noisy = queries.copy()
-    noisy[:, 8:] = 1e6
-    np.testing.assert_array_equal(model.decision_function(noisy, weights={"force": 0}), alone)
     fitted = JKSC(MODALITIES, coupling=coupling, weights={"force": 0}).fit(X, y)
-    np.testing.assert_array_equal(fitted.decision_function(noisy), alone)
+    for dead in (1e6, np.nan, np.inf):
+        noisy = queries.copy()
+        noisy[:, 8:] = dead
+        np.testing.assert_array_equal(model.decision_function(noisy, weights={"force": 0}), alone)
+        np.testing.assert_array_equal(fitted.decision_function(noisy), alone)
+        assert np.isnan(noisy[0, 8]) == np.isnan(dead)  # what the caller holds is left alone
+    noisy[0, 3] = np.nan
+    with pytest.raises(ValueError, match="NaN"):
+        model.predict(noisy, weights={"force": 0})
+
+
+def test_columns_that_two_modalities_share_are_looked_at_while_one_of_them_is_there():
+    X, y, queries, _ = clusters(8)
+    model = JKSC({"image": slice(0, 8), "force": slice(6, 12)}).fit(X, y)
+    dead = queries.copy()
+    dead[:, 8:] = np.nan
+    alone = KSC().fit(X[:, :8], y).decision_function(queries[:, :8])
+    np.testing.assert_array_equal(model.decision_function(dead, weights={"force": 0}), alone)
+    dead[:, 7] = np.nan
+    with pytest.raises(ValueError, match="NaN"):
+        model.predict(dead, weights={"force": 0})
+
+
+@pytest.mark.parametrize("coupling", ["shared", "independent"])
+def test_weights_at_predict_leave_those_of_modalities_that_they_do_not_name(coupling):
+    X, y, queries, _ = clusters(21, spread=1.2)
+    parts = {"a": slice(0, 5), "b": slice(5, 9), "c": slice(9, 12)}
+    model = JKSC(parts, coupling=coupling, weights={"a": 5, "b": 0.1}).fit(X, y)
+    scores = model.decision_function(queries, weights={"c": 0})
+    np.testing.assert_array_equal(scores, model.decision_function(queries, weights={"a": 5, "b": 0.1, "c": 0}))
+    assert not np.array_equal(scores, model.decision_function(queries, weights={"a": 1, "b": 1, "c": 0}))
+    np.testing.assert_array_equal(model.decision_function(queries, weights={}), model.decision_function(queries))
+
+
+def masks():
+    image = np.arange(12) < 8
+    return {"image": image, "force": (~image).tolist()}
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        masks(),
+        {"image": range(8), "force": np.arange(8, 12, dtype=np.uint8)},
+        {"image": slice(None, -4), "force": slice(-4, None)},
+    ],
+    ids=["masks", "numbers", "slices"],
+)
+def test_columns_are_the_same_however_they_are_given(given):
+    X, y, queries, _ = clusters(22)
+    expected = JKSC(MODALITIES).fit(X, y).decision_function(queries)
+    np.testing.assert_allclose(JKSC(given).fit(X, y).decision_function(queries), expected, rtol=1e-9, atol=1e-12)
+    assert ModalityPCA(given).fit(X).transform(X).shape == (len(X), 12)
 
 
 def test_independent_coding_sums_the_residuals_of_separate_models():
@@ -225,6 +310,30 @@ def test_values_too_large_to_square_are_refused(kernel):
 
 
 @pytest.mark.parametrize("kernel", ["rbf", "linear"])
+@pytest.mark.parametrize("scale", [1e-160, 1e-300])
+def test_values_too_small_to_square_are_refused(kernel, scale):
+    X, y, _, _ = clusters(19)
+    with pytest.raises(ValueError, match="too small to square; scale the features"):
+        KSC(kernel).fit(scale * X, y)
+    with pytest.raises(ValueError, match="too small to square; scale the features"):
+        JKSC(MODALITIES, kernel=kernel).fit(np.where(np.arange(12) < 8, 1.0, scale) * X, y)
+
+
+def test_fit_takes_little_memory_beside_the_gram_matrices():
+    X, y, _, _ = clusters(23, per_class=120)
+    models = [KSC(), KSC("linear"), JKSC(MODALITIES, kernel="linear"), JKSC(MODALITIES)]
+    for model in models:
+        model.fit(X, y)  # compiled from here on
+        tracemalloc.start()
+        model.fit(X, y)
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        one = 8 * len(X) ** 2
+        kept = one * len(model._modalities)
+        assert kept <= peak < kept + (0.2 if len(model._modalities) == 1 else 1.2) * one
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "linear"])
 def test_constant_features_give_the_first_class(kernel):
     X, y = np.full((9, 4), 3.0), np.arange(9) % 3
     model = KSC(kernel).fit(X, y)
@@ -259,6 +368,33 @@ def test_values_that_are_not_finite_are_refused(model):
         ({"modalities": {"a": slice(4, 4)}}, "do not fit the 12 columns"),
         ({"modalities": {"a": [0, 12]}}, "do not fit the 12 columns"),
         ({"modalities": {}}, "at least one group"),
+        ({"modalities": [slice(0, 8), slice(8, 12)]}, "at least one group"),
+        ({"modalities": {"a": [0.6, 1.7]}}, "modality 'a': columns must be"),
+        ({"modalities": {"a": [True, False]}}, "modality 'a': columns must be"),
+        ({"modalities": {"a": "x"}}, "modality 'a': columns must be"),
+        ({"modalities": {"a": None}}, "modality 'a': columns must be"),
+        ({"modalities": {"a": [slice(0, 8), slice(8, 12)]}}, "modality 'a': columns must be"),
+        ({"modalities": {"a": [[0, 1], [2]]}}, "modality 'a': columns must be"),
+        ({"modalities": {"a": slice("x")}}, "modality 'a': columns must be"),
+        (
+            {"modalities": {0: slice(0, 8), 1: slice(8, 12)}, "weights": {2: 1}},
+            "weights name 2; the modalities are 0",
+        ),
+        ({"modalities": MODALITIES, "weights": {"force": "x"}}, "that of 'force' is 'x'"),
+        ({"modalities": MODALITIES, "weights": [1, 2]}, "weights must map"),
+        ({"modalities": MODALITIES, "gamma": {"imagee": 3}}, "gamma names imagee; the modalities are image, force"),
+        ({"n_nonzero_coefs": 0}, "n_nonzero_coefs must be"),
+        ({"n_nonzero_coefs": 2.0}, "n_nonzero_coefs must be"),
+        ({"n_nonzero_coefs": True}, "n_nonzero_coefs must be"),
+        ({"penalty": 2}, "penalty must lie"),
+        ({"penalty": "x"}, "penalty must lie"),
+        ({"pivot_tol": 5}, "pivot_tol must be"),
+        ({"pivot_tol": "x"}, "pivot_tol must be"),
+        ({"n_jobs": 0}, "n_jobs must be"),
+        ({"n_jobs": "x"}, "n_jobs must be"),
+        ({"max_sweeps": 0}, "max_sweeps must be"),
+        ({"tol": -1}, "tol must be"),
+        ({"normalize_kernel": "no"}, "normalize_kernel must be"),
         ({"modalities": MODALITIES, "weights": {"sound": 1}}, "weights name sound"),
         ({"modalities": MODALITIES, "weights": {"force": -1}}, "not negative"),
         ({"modalities": MODALITIES, "weights": {"force": 0, "image": 0}}, "not all 0"),

@@ -45,10 +45,13 @@ def test_learnt_with_dropout_either_modality_alone_beats_chance(fitted):
 
 def test_a_missing_modality_is_not_looked_at(fitted):
     X, _ = samples(20, 3)
-    other = X.copy()
-    other[:, MODALITIES["image"]] = 1e6
-    one, two = (fitted.decision_function(each, missing=("image",)) for each in (X, other))
-    np.testing.assert_array_equal(one, two)
+    one = fitted.decision_function(X, missing=("image",))
+    for dead in (np.nan, np.inf, 1e6):
+        other = X.copy()
+        other[:, MODALITIES["image"]] = dead
+        np.testing.assert_array_equal(fitted.decision_function(other, missing=("image",)), one)
+    with pytest.raises(ValueError, match="NaN"):
+        fitted.predict(np.full_like(X, np.nan), missing=("image",))
     assert not np.allclose(fitted.decision_function(X), fitted.decision_function(other))
 
 
@@ -149,6 +152,41 @@ def test_a_saved_net_answers_as_before(fitted, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["net.npz"]
 
 
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"image": slice(0, 192), "force": slice(192, None)},
+        {"image": slice(None, -64), "force": slice(-64, 256)},
+        {"image": np.arange(256) < 192, "force": (np.arange(256) >= 192).tolist()},
+        {"image": slice(191, None, -1), "force": range(192, 256)},
+    ],
+    ids=["open", "negative", "masks", "backwards"],
+)
+def test_a_net_is_saved_with_the_columns_that_it_learnt_from(given, tmp_path):
+    X, y = samples(24, 9)
+    made = LateFusionNet(given, SHAPES, epochs=1, width=8, validation_folds=0).fit(X, y)
+    again = LateFusionNet.load(made.save(tmp_path / "net.npz"))
+    np.testing.assert_array_equal(again.decision_function(X), made.decision_function(X))
+    columns = {part.name: part.columns for part in made._net.layout.parts}
+    assert {name: tuple(each) for name, each in again.modalities.items()} == columns
+    assert sorted(columns["image"]) == list(range(192))
+
+
+def test_modalities_that_a_file_cannot_name_are_refused(tmp_path):
+    made = LateFusionNet({0: slice(0, 256)}, epochs=1, width=8, validation_folds=0).fit(*samples(8, 9))
+    with pytest.raises(ValueError, match="names of text"):
+        made.save(tmp_path / "net.npz")
+    with pytest.raises(ValueError, match="missing names 1; the modalities are 0"):
+        made.predict(samples(2, 0)[0], missing=(1,))
+
+
+@pytest.mark.parametrize("params", [{"learning_rate": 1e9}, {"learning_rate": 1e9, "validation_folds": 2}], ids=str)
+@pytest.mark.parametrize("kind", NETS)
+def test_learning_that_diverges_is_refused(kind, params):
+    with pytest.raises(ValueError, match=r"learning diverged: .* learning_rate=1000000000\.0"):
+        net(kind, **{"epochs": 12, **params}).fit(*samples(40, 1))
+
+
 def test_the_graph_answers_as_the_net(fitted):
     import onnxruntime
     from onnx import TensorProto
@@ -181,7 +219,12 @@ def test_the_graph_answers_as_the_net(fitted):
         ({"validation_folds": 1}, "validation_folds must be 0 or at least 2"),
         ({"modality_dropout": 1.5}, "modality_dropout must lie in 0 to 1"),
         ({"learning_rate": 0}, "learning_rate must be positive"),
+        ({"learning_rate": np.inf}, "learning_rate must be positive and finite"),
+        ({"learning_rate": "x"}, "learning_rate must be positive and finite"),
+        ({"noise": "x"}, "noise must be finite and not negative"),
+        ({"modality_dropout": None}, "modality_dropout must lie in 0 to 1"),
         ({"device": "tpu"}, "'cpu' or 'cuda'"),
+        ({"device": None}, "'cpu' or 'cuda'"),
         ({"heads": 3, "width": 16}, "multiple of heads"),
     ],
 )

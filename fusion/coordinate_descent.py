@@ -18,6 +18,7 @@ from fusion.arrays import FloatArray, frozen
 from fusion.compiled import compiled, unsigned
 from fusion.gram import Gram, stored_gram
 from fusion.komp import SparseCodes
+from fusion.settings import is_number
 from fusion.threads import map_threads
 
 CHUNK_BYTES = 2**22  # of dense codes that a thread takes at once
@@ -40,8 +41,7 @@ def gram_lasso(
     `tol` lambda_max, or after `max_sweeps` sweeps (near copies among the atoms take many). The support is
     in order of atom index.
     """
-    if not 0 < penalty < 1:
-        raise ValueError(f"penalty must lie between 0 and 1 (a part of lambda_max), got {penalty!r}.")
+    check_penalty(penalty)
     gram = grams if isinstance(grams, Gram) else stored_gram(grams)
     kernels = frozen(kernels)
     n_modalities, n_queries, n_atoms = kernels.shape
@@ -56,6 +56,12 @@ def gram_lasso(
     size = max(1, CHUNK_BYTES // (8 * n_modalities * n_atoms))
     map_threads(solve, range(0, n_queries, size), n_jobs)
     return _compress(codes)
+
+
+def check_penalty(penalty: object) -> None:
+    """ValueError unless `penalty` is a number between 0 and 1."""
+    if not is_number(penalty) or not 0 < penalty < 1:  # type: ignore[operator]
+        raise ValueError(f"penalty must lie between 0 and 1 (a part of lambda_max), got {penalty!r}.")
 
 
 @compiled
