@@ -55,7 +55,12 @@ class Cost:
 
 
 def sparse_cost(n_atoms: int, n_nonzero_coefs: int = 10, repeats: int = 15, seed: int = 0) -> list[Cost]:
-    """Costs of every form on one dictionary of `n_atoms` samples of 27 classes in 28 columns, RBF kernel."""
+    """Costs of every form on one dictionary of `n_atoms` samples of 27 classes in 28 columns, RBF kernel.
+
+    ValueError for more non-zeros than atoms, which scikit-learn refuses.
+    """
+    if n_nonzero_coefs > n_atoms:
+        raise ValueError(f"a code of {n_nonzero_coefs} atoms needs as many in the dictionary, got {n_atoms}.")
     rng = np.random.default_rng(seed)
     n_queries = max(SINGLES, QUERY_ATOMS // n_atoms)
     centres = rng.normal(size=(N_CLASSES, N_COLUMNS))
@@ -75,6 +80,7 @@ def sparse_cost(n_atoms: int, n_nonzero_coefs: int = 10, repeats: int = 15, seed
 
     forms: dict[str, tuple[int, Callable[[], object]]] = {
         "ours": (n_queries, lambda: joint_komp(gram, K[None], k)),
+        "public": (n_queries, lambda: kernel_omp_gram(G, K, k)),
         "replay": (n_queries, lambda: replay(G, indices, True)),
         "once": (n_queries, lambda: replay(G, indices, False)),
         "alone": (len(many), lambda: model.predict(many)),
@@ -93,6 +99,13 @@ def sparse_cost(n_atoms: int, n_nonzero_coefs: int = 10, repeats: int = 15, seed
 
     costs = [
         Cost(n_atoms, "kernel OMP, one thread", _spread(ours)),
+        Cost(
+            n_atoms,
+            "kernel_omp_gram: the same with all of G and K checked",
+            _spread(us["public"]),
+            _spread(us["public"] / ours),
+            "checked / ours",
+        ),
         Cost(
             n_atoms,
             "replay floor: the Gram rows of all selected atoms, at each step",

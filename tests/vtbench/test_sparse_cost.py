@@ -27,9 +27,9 @@ def test_rows_goals_and_agreement_with_the_peers(vtbench, monkeypatch):
 def test_a_hundred_thousand_queries_stay_below_two_gigabytes():
     from fusion.peak_memory import peak_memory
 
-    figures = peak_memory(100_000, 1000, 2)
+    figures = peak_memory(100_000, 5000, 2)
     assert figures["labels"] == 100_000
-    assert 5e7 < figures["peak_bytes"] < 2e9
+    assert 8 * 5000**2 < figures["peak_bytes"] < 2e9  # the Gram matrix alone is the lower bound
 
 
 @pytest.mark.slow
@@ -40,5 +40,24 @@ def test_a_child_that_fails_is_one_line():
         peak_memory(5, 0, 1)
 
 
-def test_bad_sizes_are_refused(vtbench):
+@pytest.mark.slow
+def test_each_dictionary_is_printed_once_it_is_measured(vtbench, monkeypatch):
+    from fusion import timing
+
+    def second_fails(n_atoms, *args):
+        if n_atoms == 8:
+            raise ValueError("no room")
+        return [timing.Cost(n_atoms, "some form", (1.0, 1.0, 1.0))]
+
+    monkeypatch.setattr("fusion.timing.sparse_cost", second_fails)
+    answer = vtbench("sparse-cost", "--atoms", "60", "8", "--nonzeros", "5")
+    assert answer.code == 2
+    assert "some form" in answer.out
+
+
+def test_bad_sizes_are_refused_before_anything_is_measured(vtbench):
     assert vtbench("sparse-cost", "--atoms", "1").code == 2
+    answer = vtbench("sparse-cost", "--atoms", "60", "5", "--repeats", "1")
+    assert answer.code == 2
+    assert "--nonzeros 10" in answer.err
+    assert answer.out == ""
