@@ -31,6 +31,7 @@ class LayerRung:
     n: int
     dtype: type[np.floating]
     replays: ClassVar[bool] = False
+    fitted: ClassVar[bool] = False
 
     def open(self, pad: Pad, indenter_class: str) -> OpenRung:
         """Prepare the operator for `pad`; the class of indenter does not matter to it."""
@@ -73,6 +74,7 @@ class WinklerRung:
     name: str
     n: int
     replays: ClassVar[bool] = False
+    fitted: ClassVar[bool] = True
 
     def open(self, pad: Pad, indenter_class: str) -> OpenRung:
         """Fit the springs; ValueError for a class without a representative."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from sensors.contact.grid import Grid
@@ -28,6 +30,13 @@ def indenter(indenter_class: str, thickness_m: float) -> SweptSurface:
     return SweptSurface(
         unit.tip_radius_m * thickness_m, unit.half_length_m * thickness_m, unit.core_radius_m * thickness_m
     )
+
+
+def areas_below(surface: Surface, depths_m: Sequence[float], pad: Pad) -> list[float]:
+    """Area (m^2) over `pad` in which the gap of `surface` is less than each depth."""
+    grid = Grid(256, pad.side_m)
+    gap = surface.jet(*grid.coordinates()).gap
+    return [float((gap < depth).sum()) * grid.cell_area_m2 for depth in depths_m]
 
 
 def is_representative(surface: Surface, indenter_class: str, pad: Pad) -> bool:

@@ -72,6 +72,11 @@ class Rung(Protocol):
         """Whether it answers for the representative of its class on the pad's axis alone, and refuses the rest."""
         ...
 
+    @property
+    def fitted(self) -> bool:
+        """Whether its stiffness is fitted to the representative of its class: its errors hold for that alone."""
+        ...
+
     def open(self, pad: Pad, indenter_class: str) -> OpenRung:
         """Prepare for `pad`; `indenter_class` says what will press it."""
         ...

@@ -34,6 +34,7 @@ class NeoHookeanReducedRung:
     snapshots: int = SNAPSHOTS
     modes: int = MODES
     replays: ClassVar[bool] = True
+    fitted: ClassVar[bool] = False
 
     def open(self, pad: Pad, indenter_class: str) -> OpenRung:
         """Train for `pad` and the class."""

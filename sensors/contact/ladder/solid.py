@@ -35,6 +35,7 @@ class NeoHookeanRung:
     layers: int
     n: int = 128
     replays: ClassVar[bool] = False
+    fitted: ClassVar[bool] = False
 
     def open(self, pad: Pad, indenter_class: str) -> OpenRung:
         """Prepare for `pad`; the mesh waits for the surface."""
