@@ -153,10 +153,11 @@ def _scene(data: dict[str, Any], source: str, lines: Mapping[KeyPath, int]) -> P
 def load_suite(name_or_path: str | Path) -> Suite:
     """A suite by name (`quick`) or from one's own YAML file.
 
-    A scene's own file stands beside the suite's file, else below the current folder.
+    A scene's own file stands beside the suite's file, else below the current folder; the file of a backbone of one's
+    own is named from the suite's folder.
 
     Raises:
-        ValueError: unknown suite (with the closest names), or a value that it refuses.
+        ValueError: unknown suite (with the closest names), a value that it refuses, or a file that is no backbone.
     """
     path, variation = _locate("suite", str(name_or_path))
     if variation:
@@ -168,7 +169,9 @@ def load_suite(name_or_path: str | Path) -> Suite:
         raise ValueError(f"{path}: this is a scene, not a suite: {_instead('suite', str(path))}")
     suite = _build(Suite, file.data, str(path), file.lines)
     datasets = [spec.model_copy(update={"scene": _beside(path, spec.scene)}) for spec in suite.datasets]
-    return suite.model_copy(update={"datasets": tuple(datasets)})
+    entries = [entry.model_copy(update={"backbone": _backbone(path, entry.backbone)}) for entry in suite.entries]
+    own = {"datasets": tuple(datasets), "entries": tuple(entries), "backbone": _backbone(path, suite.backbone)}
+    return suite.model_copy(update=own)
 
 
 def _is_of_a_scene(keys: Mapping[str, Any]) -> bool:
@@ -192,6 +195,18 @@ def _beside(suite: Path, scene: str | None) -> str | None:
     """A scene's own file as seen from the current folder, where it stands beside the suite; else what was written."""
     own = _OWN_FILE.fullmatch(scene or "")
     return str(suite.parent / own[0]) if own and (suite.parent / own[1]).is_file() else scene
+
+
+def _backbone(suite: Path, name: str | None) -> str | None:
+    """A backbone as written, or the whole path of one's own file, as seen from the suite's folder."""
+    if name is None or not name.endswith(".onnx"):
+        return name
+    from vtbench.run.suite import opened_backbone
+
+    try:
+        return opened_backbone(str((suite.parent / Path(name).expanduser()).resolve()))
+    except ValueError as error:
+        raise ValueError(f"{suite}: backbone: {error}") from None
 
 
 def scene_names() -> list[str]:

@@ -9,6 +9,7 @@ _HOME = {
     "Backbone": "fusion.features.backbone",
     "backbone_names": "fusion.features.backbone",
     "get_backbone": "fusion.features.backbone",
+    "is_own_file": "fusion.features.own_file",
     "import_torchvision": "fusion.features.torchvision_compat",
     "ModalityPCA": "fusion.features.pca",
     "FourierBasis": "fusion.features.spectrum",
@@ -23,6 +24,7 @@ __all__ = [
     "backbone_names",
     "get_backbone",
     "import_torchvision",
+    "is_own_file",
 ]
 
 

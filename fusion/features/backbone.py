@@ -7,12 +7,14 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fusion.features import efficientnet_lite0, pixels, vgg16, vt_vgg
+from fusion.features.own_file import is_own_file, read_own_file
 from fusion.features.weights_cache import downloaded_vgg16, kept_graph, packaged_efficientnet_lite0
 
 if TYPE_CHECKING:
@@ -28,7 +30,7 @@ class Backbone:
 
     Attributes
     ----------
-    name : as in `get_backbone`.
+    name : as in `get_backbone`; of a file its stem and the first eight digits of its SHA-256.
     dim : features per image.
     licence : of the weights.
     size_bytes : of the published weights file.
@@ -45,6 +47,8 @@ class Backbone:
     threads: int
     _build: Callable[[], bytes]
     _keep: bool = True
+    _file: str = ""
+    _size: tuple[int | None, int | None] = (None, None)
 
     def extract(self, images: ArrayLike) -> NDArray[np.float32]:
         """Features (N, dim) float32 of RGB `images` uint8 (N, H, W, 3), any height and width.
@@ -58,6 +62,8 @@ class Backbone:
         frames = np.asarray(images)
         if frames.ndim != 4 or frames.shape[3] != 3 or frames.dtype != np.uint8:
             raise ValueError(f"images must be uint8 of shape (N, H, W, 3), got {frames.dtype} of shape {frames.shape}.")
+        if any(want not in (None, got) for want, got in zip(self._size, frames.shape[1:3], strict=True)):
+            raise ValueError(f"{self.name} takes frames of {self._size[0]} x {self._size[1]}, got {frames.shape[1:3]}.")
         features = np.empty((len(frames), self.dim), dtype=np.float32)
         for i, frame in enumerate(frames):
             features[i] = self._session.run(["features"], {"images": np.ascontiguousarray(frame[None])})[0][0]
@@ -93,7 +99,7 @@ class Backbone:
 
     def __reduce__(self) -> tuple[Any, ...]:
         weights = "random" if self.weights_sha256 == "random" else "pretrained"
-        return _restore, (self.name, self.threads, weights)
+        return _restore, (self._file or self.name, self.threads, weights)
 
 
 def backbone_names() -> tuple[str, ...]:
@@ -111,9 +117,27 @@ def get_backbone(name: str, *, threads: int = 1, weights: Literal["pretrained", 
         keep their size. `weights="random"` is for measuring its speed where the weights cannot be had.
     "vt-vgg" : 512 features; a small net trained on simulated presses of shapes that are not among the household
         objects, see `vt_vgg.md`; offline.
+    "path/to/file.onnx" : a file of one's own: `images` uint8 (N, height, width, 3) in, `features` (N, columns) float32
+        out, as `vtbench train-backbone` writes it.
 
-    ValueError for an unknown name, with the closest known one.
+    ValueError for an unknown name, with the closest known one, and for a file that is no such model.
     """
+    if is_own_file(name):
+        if weights != "pretrained":
+            raise ValueError(f"{name} has no weights {weights!r}; use 'pretrained' (vgg16 also has 'random').")
+        own = read_own_file(Path(name).expanduser())
+        return Backbone(
+            own.name,
+            own.dim,
+            "own",
+            own.size_bytes,
+            own.sha256,
+            threads,
+            own.content,
+            _keep=False,
+            _file=str(own.path),
+            _size=own.size,
+        )
     if name == "efficientnet-lite0" and weights == "pretrained":
         sha256 = "579344248a93e23026e6b78f1f6faf0bc1d282386f6c881cdbaacd49cabf77db"
         return Backbone(

@@ -45,7 +45,7 @@ def frame_costs(names: Sequence[str], frames: int = 20, *, warm_up: int = 2) -> 
     slowest = float(np.median(kept["vgg16"]))
     return [
         FrameCost(
-            name,
+            backbone.name,
             _weights(name),
             backbone.dim,
             _model_mb(backbone),

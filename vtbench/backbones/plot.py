@@ -16,15 +16,17 @@ _LEAST_ERROR = 0.1
 def draw_error_against_speed(path: Path, found: Sequence[Score], ms_of: Mapping[str, float]) -> Path:
     """Draw error (%, logarithmic, with its interval) against milliseconds of a frame, `ms_of` by backbone; `path` back.
 
-    The time of a mark is backbone plus classifier. ValueError where there is no score.
+    The time of a mark is backbone plus classifier; a backbone without a time is left out. ValueError where there is no
+    score.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import FixedLocator, NullLocator
 
+    found = [score for score in found if score.backbone in ms_of]
     protocols = list(dict.fromkeys(score.protocol for score in found))
     if not protocols:
-        raise ValueError("expected scores of cells that are fed frames, found none")
+        raise ValueError("expected scores of image or image-change alone, found none")
     backbones = sorted({score.backbone for score in found})
     methods = sorted({score.method for score in found})
     columns = min(4, len(protocols))

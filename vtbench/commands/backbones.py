@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace, _SubParsersAction
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,7 @@ from vtbench.commands.parser import Parser, add_command, add_json, picture, whol
 if TYPE_CHECKING:
     from vtbench.backbones.cost import FrameCost
     from vtbench.backbones.scores import Difference, Score
+    from vtbench.run.suite import Suite
 
 OURS, REFERENCE = "vt-vgg", "efficientnet-lite0"
 _SCORE_HEADS = ("task", "variant", "split", "fed with", "method", "backbone", "%", "interval", "µs")
@@ -29,7 +31,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
         help="compare backbones: CPU time of a frame, and the scores of a run",
         about="Times 256x256 frames through ONNX Runtime on one thread, all backbones in turn; vgg16 with random\n"
         "weights, whose speed is that of the published ones. With the folder of a run, prints its scores by backbone\n"
-        f"and {OURS} minus {REFERENCE}, paired over groups.",
+        f"and {OURS} (and each file of one's own) minus {REFERENCE}, paired over groups.",
         examples=(
             "vtbench backbones",
             "vtbench run backbones -o out/backbones --jobs 2",
@@ -51,8 +53,8 @@ def run(args: Namespace) -> int:
 
     if args.plot is not None and args.run_dir is None:
         raise ValueError("--plot: expected the folder of a run too, whose scores are drawn")
-    found, gaps = _of_run(args.run_dir) if args.run_dir is not None else ([], [])
-    costs = frame_costs(backbone_names(), args.frames)
+    found, gaps, own = _of_run(args.run_dir) if args.run_dir is not None else ([], [], [])
+    costs = frame_costs([*backbone_names(), *own], args.frames)
     if args.plot is not None:
         from vtbench.backbones.plot import draw_error_against_speed
 
@@ -71,22 +73,40 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _of_run(folder: Path) -> tuple[list[Score], list[Difference]]:
+def _of_run(folder: Path) -> tuple[list[Score], list[Difference], list[str]]:
+    """Scores and differences of a run, and the files of one's own that it used, where they still are what they were."""
+    from fusion.features import backbone_names
     from leaderboard.record import scan_records
     from vtbench.backbones.scores import differences, scores
     from vtbench.run.folder import read_suite
     from vtbench.run.tallies import run_tallies
 
-    read_suite(folder)
+    suite = read_suite(folder)
     records, problems = scan_records(folder)
     found = scores(records)
     if not found:
-        raise ValueError(f"{folder}: expected scores of cells that are fed frames, found none")
+        raise ValueError(f"{folder}: expected scores of image or image-change alone, found none")
     kept = {score.key for score in found}
     tallies, without = run_tallies(folder, [record for record in records if record.key in kept])
-    for problem in (*problems, *without):
+    mine = sorted({score.backbone for score in found} - set(backbone_names()))
+    own = _own_files(suite)
+    lost = [f"{name}: its file is gone or another one now, so it is not timed" for name in mine if name not in own]
+    for problem in (*problems, *without, *lost):
         print(f"vtbench: warning: {problem}", file=sys.stderr)
-    return found, differences(found, tallies, OURS, REFERENCE)
+    gaps = [gap for first in (OURS, *mine) for gap in differences(found, tallies, first, REFERENCE)]
+    return found, gaps, [own[name] for name in mine if name in own]
+
+
+def _own_files(suite: Suite) -> dict[str, str]:
+    """Paths of the suite's own backbones that can still be opened, by the name in their records."""
+    from fusion.features import get_backbone, is_own_file
+
+    found = {}
+    for path in {suite.backbone, *(entry.backbone for entry in suite.entries)}:
+        if path is not None and is_own_file(path):
+            with suppress(ValueError, OSError):
+                found[get_backbone(path).name] = path
+    return found
 
 
 def _print(costs: list[FrameCost], found: list[Score], gaps: list[Difference]) -> None:
@@ -101,9 +121,9 @@ def _print(costs: list[FrameCost], found: list[Score], gaps: list[Difference]) -
     if found:
         print("\nAccuracy in % and its 95 % interval; microseconds a sample of the classifier with its PCA\n")
         print_table(_SCORE_HEADS, _score_rows(found))
-    if gaps:
-        print(f"\n{OURS} minus {REFERENCE}, percentage points, paired over groups\n")
-        print_table(_GAP_HEADS, [_gap_row(gap) for gap in gaps])
+    for first in dict.fromkeys(gap.first for gap in gaps):
+        print(f"\n{first} minus {REFERENCE}, percentage points, paired over groups\n")
+        print_table(_GAP_HEADS, [_gap_row(gap) for gap in gaps if gap.first == first])
 
 
 def _score_rows(found: list[Score]) -> list[list[object]]:

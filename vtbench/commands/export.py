@@ -85,7 +85,7 @@ def add(commands: _SubParsersAction[Parser]) -> None:
     parser.add_argument("--scene", metavar="SCENE", help=f"simulate this scene of presses instead (default {SCENE})")
     parser.add_argument("--samples", metavar="N", type=whole_number(1), help=f"of the scene (default {SAMPLES})")
     parser.add_argument("--seed", metavar="S", type=whole_number(0), default=0, help="of scene and split (default 0)")
-    parser.add_argument("--backbone", metavar="B", help="network that turns frames into features")
+    parser.add_argument("--backbone", metavar="B", help="what turns frames into features: a name, or an ONNX file")
     parser.add_argument("--features", metavar="DIR", type=Path, help="keep features of frames here (default: not)")
     parser.add_argument("-o", "--out", metavar="FILE", type=_target, required=True, help="file, or folder with --all")
     add_jobs(parser)
@@ -124,10 +124,10 @@ def run(args: Namespace) -> int:
 
 def _check_names(args: Namespace) -> bool:
     """Refuse a misspelt word before anything is simulated or read; returns whether the task is one of slip."""
-    from fusion.features import backbone_names
     from vtbench.exporting.fit import method_of
     from vtbench.registry import unknown
     from vtbench.run.detection.methods import DETECTORS
+    from vtbench.run.suite import opened_backbone
     from vtbench.tasks import TASKS
 
     task = TASKS.get(args.task)
@@ -142,10 +142,11 @@ def _check_names(args: Namespace) -> bool:
     for kind, name, known in (
         (f"modality of {task.id}", args.modality, task.modalities),
         (f"variant of {task.id}", args.variant, task.variants),
-        ("backbone", args.backbone, backbone_names()),
     ):
         if name is not None and name not in known:
             raise unknown(kind, name, known)
+    if args.backbone is not None:
+        opened_backbone(args.backbone)
     return of_slip
 
 

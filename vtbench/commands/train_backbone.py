@@ -80,6 +80,7 @@ def _print(trained: Trained, path: Path) -> None:
         f"{path}: {size_text(trained.size_bytes)}, epoch {trained.best_epoch + 1} of {trained.epochs}; "
         f"presses {trained.data_sha256[:12]}; trained in {trained.seconds:.0f} s"
     )
+    print(f"use it: `backbone: {path}` in a suite (from the suite's folder), or `vtbench export --backbone {path}`")
 
 
 def _model_file(text: str) -> Path:

@@ -16,6 +16,7 @@ from vtbench.run.fitted import FittedPipeline, fit_pipeline
 from vtbench.run.methods import METHODS, Method
 from vtbench.run.methods.external import check_external, external_method
 from vtbench.run.reduce import Reducer
+from vtbench.run.suite import opened_backbone
 from vtbench.tasks import TASKS
 from vtbench.tasks.base import FeatureCache, Features, Feed, Fold, Task, TaskData
 
@@ -29,7 +30,7 @@ class Samples:
     Attributes:
         path: folder of the dataset or of the public recordings.
         dataset_hash: as records state it.
-        backbone: name of the network that turns frames into features.
+        backbone: name of the network that turns frames into features, or its ONNX file.
     """
 
     task: Task
@@ -82,15 +83,13 @@ def open_samples(task_id: str, path: Path | None, backbone: str, cache: FeatureC
     """Samples of a task from a dataset's folder; public recordings are found where `vtbench fetch` put them.
 
     Raises:
-        ValueError: a task of slip, a folder that is missing, or recordings that are not on this machine.
+        ValueError: a task of slip, no such backbone, a folder that is missing, or recordings that are not on this
+            machine.
     """
-    from fusion.features import backbone_names
-
     task = TASKS.get(task_id)
     if task.reads == "slides":
         raise ValueError(f"{task.id} is a task of slip: its trials are opened by open_trials()")
-    if backbone not in backbone_names():
-        raise unknown("backbone", backbone, backbone_names(), "vtbench list backbones")
+    opened_backbone(backbone)
     if task.reads_dataset:
         from vtbench.data.meta import read_meta
 

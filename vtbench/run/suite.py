@@ -33,11 +33,28 @@ def dataset_ids(joined: str) -> list[str]:
 
 
 def known_backbone(name: str) -> str:
-    """The name itself; ValueError with the closest known one where there is no such backbone."""
-    from fusion.features import backbone_names
+    """The name itself, or the path of an ONNX file, which is opened later.
 
-    if name not in backbone_names():
+    Raises:
+        ValueError: no backbone of that name, with the closest one.
+    """
+    from fusion.features import backbone_names, is_own_file
+
+    if not is_own_file(name) and name not in backbone_names():
         raise unknown("backbone", name, backbone_names(), "vtbench list backbones")
+    return name
+
+
+def opened_backbone(name: str) -> str:
+    """The same after a look into the file, where it is one.
+
+    Raises:
+        ValueError: no such name, or a file that is no backbone.
+    """
+    from fusion.features import get_backbone, is_own_file
+
+    if is_own_file(known_backbone(name)):
+        get_backbone(name)
     return name
 
 
@@ -101,7 +118,7 @@ class Entry(_Part):
         methods: ids of registered methods or of the suite's own; of a slip task ids of detectors.
         probes: methods that are fed the probes; all of `methods` where nothing is said, none where false.
         upper_lines: methods that are fed the upper lines.
-        backbone: what turns frames into features, in place of the suite's.
+        backbone: what turns frames into features, in place of the suite's; a name, or the path of an ONNX file.
     """
 
     task: str
@@ -174,6 +191,7 @@ class Suite(_Part):
 
     Attributes:
         seed: draws random splits and shuffled labels.
+        backbone: what turns frames into features; a name, or the path of an ONNX file.
         timeout_s: a cell that takes longer is stopped and recorded as such.
     """
 

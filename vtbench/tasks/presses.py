@@ -151,7 +151,10 @@ def load_presses(path: Path, features: FeatureCache, backbone: str, *, press: Li
 
 def backbone_identity(name: str) -> dict[str, str]:
     """What decides a backbone's features: its name and the SHA-256 of its weights."""
-    return {"backbone": name, "backbone_sha256": _backbone(name).weights_sha256}
+    from fusion.features import is_own_file
+
+    network = _backbone(name)
+    return {"backbone": network.name if is_own_file(name) else name, "backbone_sha256": network.weights_sha256}
 
 
 def frame_features(path: Path, block: str, backbone: str, rows: NDArray[np.int64]) -> Features:
@@ -173,9 +176,17 @@ def change(frames: NDArray[np.uint8], rest: NDArray[np.uint8]) -> NDArray[np.uin
     return np.clip(frames.astype(np.int16) - rest + 128, 0, 255).astype(np.uint8)
 
 
-@cache
 def _backbone(name: str) -> Backbone:
-    """The network, loaded once a process."""
+    """The network, loaded once a process; a file of one's own again where it was written anew."""
+    from fusion.features import is_own_file
+
+    file = Path(name).expanduser()
+    stamp = (file.stat().st_mtime_ns, file.stat().st_size) if is_own_file(name) and file.is_file() else None
+    return _loaded(name, stamp)
+
+
+@cache
+def _loaded(name: str, stamp: tuple[int, int] | None) -> Backbone:
     from fusion.features import get_backbone
 
     return get_backbone(name)
