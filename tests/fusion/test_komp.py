@@ -95,7 +95,7 @@ def test_residual_is_orthogonal_to_the_selected_atoms_and_energy_is_the_projecti
 
 @settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 10_000), log_gamma=st.floats(-12, 3), pivot_tol=st.sampled_from(["auto", 0.0, 1e-12]))
-@example(seed=8, log_gamma=-4.0, pivot_tol="auto")
+@example(seed=261, log_gamma=-6.847299203463751, pivot_tol="auto")
 def test_residual_energy_never_rises_with_k(seed, log_gamma, pivot_tol):
     rng = np.random.default_rng(seed)
     atoms, queries = rng.normal(size=(20, 4)), rng.normal(size=(5, 4))
