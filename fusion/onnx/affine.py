@@ -1,4 +1,4 @@
-"""Scalers and principal components: subtract, multiply, project."""
+"""Scalers, principal components and linear decisions: subtract, multiply, project."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fusion.onnx import add_estimator
 from fusion.onnx.builder import Graph
+from fusion.onnx.ends import halves
 
 
 def project(g: Graph, x: str, mean: NDArray[np.float64], matrix: NDArray[np.float64]) -> str:
@@ -42,6 +43,13 @@ def standard_scaler(g: Graph, estimator: Any, x: str) -> str:
     width = estimator.n_features_in_
     mean = estimator.mean_ if estimator.with_mean else np.zeros(width)
     return project(g, x, mean, 1.0 / estimator.scale_ if estimator.with_std else np.ones(width))
+
+
+def linear_decision(g: Graph, estimator: Any, x: str) -> str:
+    """scikit-learn's `LinearSVC` and `RidgeClassifier`: x @ coef + intercept, of two classes minus and plus half."""
+    coef = np.atleast_2d(np.asarray(estimator.coef_, np.float64))
+    decision = g.op("Add", g.times(x, coef.T), np.broadcast_to(estimator.intercept_, (len(coef),)).astype(np.float64))
+    return halves(g, decision) if len(estimator.classes_) == 2 else decision
 
 
 def pipeline(g: Graph, estimator: Any, x: str) -> str:

@@ -26,7 +26,8 @@ def nearest_neighbors(g: Graph, estimator: Any, x: str) -> str:
     """scikit-learn's `KNeighborsClassifier` with Euclidean distances, `predict_proba` as scores."""
     metric, p = estimator.effective_metric_, dict(estimator.effective_metric_params_).get("p", 2)
     if metric not in ("euclidean", "minkowski") or p != 2:
-        raise ValueError(f"KNeighborsClassifier with metric={estimator.metric!r}, p={p} is not exported; use Euclidean")
+        given = f"metric={estimator.metric!r}" + (f", p={estimator.p}" if estimator.metric == "minkowski" else "")
+        raise ValueError(f"KNeighborsClassifier with {given} is not exported; use Euclidean")
     if estimator.weights not in ("uniform", "distance") or estimator.outputs_2d_ or not hasattr(estimator, "_fit_X"):
         raise ValueError("KNeighborsClassifier is exported with weights 'uniform' or 'distance' and one label a sample")
     rows = np.asarray(estimator._fit_X, np.float64)

@@ -8,12 +8,12 @@ import onnx
 import onnxruntime
 import pytest
 from sklearn.decomposition import PCA, IncrementalPCA
-from sklearn.linear_model import LogisticRegression
+from sklearn.linear_model import LogisticRegression, RidgeClassifier
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 from sklearn.semi_supervised import LabelSpreading
-from sklearn.svm import SVC
+from sklearn.svm import SVC, LinearSVC
 
 import fusion.onnx.kernels
 from fusion import JKSC, KSC, WeightedKNN
@@ -40,6 +40,8 @@ ESTIMATORS = {
     "wknn": WeightedKNN(5),
     "svm": SVC(C=10.0, gamma=1.0),
     "svm linear": SVC(kernel="linear", break_ties=True),
+    "linear svm": LinearSVC(),
+    "ridge": RidgeClassifier(),
     "pipeline": make_pipeline(StandardScaler(), ModalityPCA(GROUPS, 4), IncrementalPCA(3), WeightedKNN()),
     "whitened": make_pipeline(PCA(3, whiten=True), SVC()),
     "skl2onnx": make_pipeline(PCA(5), LogisticRegression(max_iter=1000)),
@@ -199,7 +201,9 @@ def test_vote_ties_of_one_against_one_go_where_predict_puts_them():
         (KSC("precomputed"), "use kernel='rbf'"),
         (SVC(kernel="poly"), "use 'rbf' or 'linear'"),
         (WeightedKNN(novelty_threshold=0.1), "novelty_threshold=None"),
-        (KNeighborsClassifier(3, metric="manhattan"), "use Euclidean"),
+        (KNeighborsClassifier(3, metric="manhattan"), "metric='manhattan' is not exported; use Euclidean"),
+        (KNeighborsClassifier(3, p=1), "metric='minkowski', p=1 is not exported; use Euclidean"),
+        (KNeighborsClassifier(3, p=3), "metric='minkowski', p=3 is not exported; use Euclidean"),
     ],
 )
 def test_what_cannot_be_exact_is_refused_with_what_to_use_instead(estimator, use):
@@ -224,6 +228,15 @@ def test_somebodys_own_class_is_refused_until_it_is_registered():
         np.testing.assert_array_equal(export(estimator)(X).argmax(axis=1), estimator.predict(X))
     finally:
         del EXPORTERS[class_path(estimator)]
+
+
+@pytest.mark.parametrize("estimator", [LinearSVC(), RidgeClassifier(), RidgeClassifier(fit_intercept=False)])
+def test_a_linear_decision_between_two_classes_is_halved(estimator):
+    X, y = samples(60, 17, classes=2)
+    estimator.fit(X, y)
+    scores = export(estimator)(X)
+    np.testing.assert_array_equal(scores.argmax(axis=1), estimator.predict(X))
+    np.testing.assert_allclose(scores[:, 1] - scores[:, 0], estimator.decision_function(X), rtol=1e-5, atol=1e-7)
 
 
 def test_a_class_that_skl2onnx_does_not_convert_is_refused_in_one_line():
