@@ -18,6 +18,7 @@ _ACROSS = 3
 def draw_held_out(data: BallPresses, calibration: GelCalibration, png: Path) -> Path:
     """Draw the contact crop of each held-out press, with its scores, into the file `png` and return it.
 
+    All at one scale; a crop that the frame's edge cuts leaves paper below or beside it.
     Differences are real minus rendered, `_GAIN` times on middle grey.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -26,7 +27,7 @@ def draw_held_out(data: BallPresses, calibration: GelCalibration, png: Path) -> 
     rows = evaluate(data, calibration)
     l1, ssim, psnr = summarise(rows)
     lines = -(-len(rows) // _ACROSS)
-    figure = Figure(figsize=(_ACROSS * 4.6, 0.9 + lines * 1.8), facecolor=PAPER, layout="constrained")
+    figure = Figure(figsize=(_ACROSS * 4.6, 0.6 + lines * 1.75), facecolor=PAPER, layout="constrained")
     FigureCanvasAgg(figure)
     title = (
         f"GelSight, {len(rows)} presses left out of the fit: "
@@ -37,6 +38,7 @@ def draw_held_out(data: BallPresses, calibration: GelCalibration, png: Path) -> 
     places = figure.subplots(lines, 3 * _ACROSS, squeeze=False).reshape(-1, 3)
     for axes in places[len(rows) :].ravel():
         axes.axis("off")
+    across = max(max(picture.shape[:2]) for picture in (press.frame[press.crop()] for press in data.held_out()))
     for row, press, card in zip(rows, data.held_out(), places, strict=False):
         crop = press.crop()
         rendered = render_press(press, data, calibration)[crop]
@@ -48,6 +50,7 @@ def draw_held_out(data: BallPresses, calibration: GelCalibration, png: Path) -> 
         }
         for axes, (title, picture) in zip(card, pictures.items(), strict=True):
             axes.imshow(picture, interpolation="nearest")
+            axes.set(xlim=(-0.5, across - 0.5), ylim=(across - 0.5, -0.5))
             axes.set_title(title, fontsize=8, color=QUIET, loc="left", pad=3)
             axes.axis("off")
     png.parent.mkdir(parents=True, exist_ok=True)

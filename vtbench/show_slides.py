@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 STATE_COLOURS = {1: "#f6d58a", 2: "#f2b5a7"}
-SHADES = "yellow: partial slip, red: gross slip, dashed: onset"
+_SHADES = {1: "yellow: partial slip", 2: "red: gross slip"}
+_ONSET = "dashed: onset"
+SHADES = ", ".join([*_SHADES.values(), _ONSET])
 DETECTORS = {"covariance": "covariance [N²]", "energy": "energy [N]"}
 THRESHOLD = "#a63d6d"
 PERIODS = 3
@@ -71,7 +73,8 @@ def slide_scores(dataset_dir: Path | str, trial: int, png: Path | str) -> Path:
     time_s = np.arange(len(series[trial])) / row["rate_hz"]
     with page(png, (10.5, 3.6 + 1.9 * len(DETECTORS))) as figure:
         where = f"{dataset.meta.name}, sample {trial}: {_condition(row)}, unit {row['unit']}"
-        heading(figure, _title(row), f"{where}; {SHADES}; bar: alarm, {PERIODS} samples at or above β")
+        bars = f"bar: alarm, {PERIODS} samples at or above β" if earlier is not None else "no β: no other sample slips"
+        heading(figure, _title(row), "; ".join([where, *_drawn_shades(states[trial], row), bars]))
         body = figure.subfigures(2, 1, squeeze=False, height_ratios=[0.85, 2.75 + 1.9 * len(DETECTORS)])[1, 0]
         ratios = [2.2, *[1.3] * len(DETECTORS)]
         edges = {"left": 0.085, "right": 0.98, "bottom": 0.08, "top": 0.98, "hspace": 0.12, "height_ratios": ratios}
@@ -123,7 +126,7 @@ def _forces(axes: Axes, series: NDArray[np.float32], state: NDArray[np.uint8], r
     order = np.argsort(series.max(axis=0))[::-1]
     for rank, taxel in enumerate(order):
         colour = f"C{rank}" if rank < max(named, 4) else "#c5ccd4"
-        label = f"taxel {taxel + 1}" if rank < named else None
+        label = f"taxel {taxel + 1}" if rank < named else "the other taxels" if named and rank == named else None
         axes.plot(time_s, series[:, taxel], color=colour, lw=0.9, label=label, zorder=2 - rank / 100)
     axes.set_xlim(0, time_s[-1])
     if named:
@@ -139,6 +142,13 @@ def _shade(axes: Axes, state: NDArray[np.uint8], row: Any) -> None:
             axes.axvspan(first / row["rate_hz"], last / row["rate_hz"], color=colour, alpha=0.55, lw=0, zorder=0)
     if row["onset"] == row["onset"]:
         axes.axvline(row["onset"] / row["rate_hz"], color=INK, lw=0.8, ls=(0, (2, 2)))
+
+
+def _drawn_shades(state: NDArray[np.uint8], row: Any) -> list[str]:
+    """What `_shade` draws of this trial, in words."""
+    shades = [name for value, name in _SHADES.items() if (state == value).any()]
+    shades += [_ONSET] if row["onset"] == row["onset"] else []
+    return [", ".join(shades)] if shades else []
 
 
 def _by_trial(

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from sensors.ball_press import BallPress, BallPresses, interval_of_mean
 from sensors.contact.hertz import plane_strain_modulus
@@ -237,7 +238,15 @@ def test_the_solved_surface_renders_left_out_presses_better_than_the_bare_cap():
     assert np.mean([score.l1 for score in layer]) < np.mean([score.l1 for score in cap])
 
 
-def test_the_figure_is_drawn(tmp_path):
-    data = simulated((0, 2, 6))
+def test_the_figure_is_drawn_at_one_scale(tmp_path, monkeypatch):
+    data, pages = simulated((0, 2, 6)), []
+    saved = Figure.savefig
+    monkeypatch.setattr(
+        Figure, "savefig", lambda page, *given, **named: pages.append(page) or saved(page, *given, **named)
+    )
     png = draw_held_out(data, committed_calibration().model_copy(update={"made": {}}), tmp_path / "new/held.png")
     assert png.read_bytes().startswith(b"\x89PNG")
+    limits = {(axes.get_xlim(), axes.get_ylim()) for axes in pages[0].axes if axes.images}
+    assert len(limits) == 1
+    shown = max(max(image.get_array().shape[:2]) for axes in pages[0].axes for image in axes.images)
+    assert limits == {((-0.5, shown - 0.5), (shown - 0.5, -0.5))}

@@ -3,6 +3,8 @@
 import cv2
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from tests.vtbench.data.fake_slides import FakeSlipScene, simulate
 from vtbench.data.slide_writer import write_slides
@@ -36,6 +38,29 @@ def test_one_trial_stands_with_its_scores_and_thresholds(slides, tmp_path):
     assert colour_share(without, GROSS_ON_PAPER) < 1e-4
     for png in (with_slip, without):
         assert colour_share(png, (166, 61, 109)) > 0.00005  # beta
+
+
+def told(monkeypatch, png, dataset, **more):
+    """Everything written on the page of a picture."""
+    pages = []
+    saved = Figure.savefig
+    monkeypatch.setattr(
+        Figure, "savefig", lambda page, *given, **named: pages.append(page) or saved(page, *given, **named)
+    )
+    show(dataset, png, **more)
+    return " | ".join(text.get_text() for text in pages[0].findobj(Text))
+
+
+def test_a_trial_explains_what_it_draws_and_nothing_else(slides, tmp_path, monkeypatch):
+    alone = write_slides(tmp_path / "one", FakeSlipScene(n_samples=1), simulate=simulate, progress=False)
+    slip = told(monkeypatch, tmp_path / "a.png", slides, sample=0)
+    assert all(word in slip for word in ("red: gross slip", "dashed: onset", "bar: alarm", "β from", "other taxels"))
+    quiet = told(monkeypatch, tmp_path / "b.png", slides, sample=11)
+    assert "bar: alarm" in quiet
+    assert not any(word in quiet for word in ("partial slip", "gross slip", "onset"))
+    single = told(monkeypatch, tmp_path / "c.png", alone, sample=0)
+    assert "no β: no other sample slips" in single
+    assert "bar: alarm" not in single
 
 
 def test_a_trial_that_is_not_there_is_named(slides, tmp_path):

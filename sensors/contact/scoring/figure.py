@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from sensors.contact.scoring.closed_forms import OracleRow
 from sensors.contact.scoring.hyperelastic import SolidRow
 from sensors.contact.scoring.peer import PeerRow
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 _COLOURS = ("#b3462f", "#2b6a8f", "#3f8f5f", "#8a6bb0", "#a98a2e", "#555555", "#d17aa5")
 _MARKS = "osD^vPX"
 _LEAST = 1e-4
-"""Percent; errors below it stand on this line of the logarithmic axis."""
+"""Percent; errors against closed forms below it stand on this line of the logarithmic axis."""
 
 
 def draw_physics(
@@ -22,24 +26,10 @@ def draw_physics(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(14.5, 5.2), facecolor="white")
+    figure = Figure(figsize=(14.5, 6.4), facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
     left, middle, right = figure.subplots(1, 3)
-    rungs, classes = (list(dict.fromkeys(getattr(row, name) for row in solid)) for name in ("rung", "indenter"))
-    for row in solid:
-        left.plot(
-            [row.cost_ms],
-            [100 * max(map(abs, row.force[:deepest]))],
-            _MARKS[classes.index(row.indenter)],
-            color=_COLOURS[rungs.index(row.rung)],
-            label=row.rung if row.indenter == classes[0] else None,
-            markersize=7,
-        )
-    for number, name in enumerate(classes):
-        left.plot([], [], _MARKS[number], color="none", markeredgecolor="black", label=name)
-    moved = 100 * max(max(row.reference[:deepest]) for row in solid)
-    left.axhspan(0, moved, color="#999999", alpha=0.25, linewidth=0, label="reference's own change")
-    left.set(yscale="log", ylim=(0.1, 30), ylabel="force error, %", title="against the hyperelastic pad, d/h to 0.2")
+    _draw_ladder(left, solid, deepest)
     timed = [row for row in oracles if row.warm_ms is not None]
     kinds = list(dict.fromkeys((row.model, row.oracle) for row in timed))
     for number, kind in enumerate(kinds):
@@ -57,7 +47,6 @@ def draw_physics(
             )
     middle.set(
         yscale="log",
-        ylim=(2e-8, 30),
         ylabel="error, %",
         title="against closed forms, 64 to 256 cells\n(hollow: float32; warm)",
     )
@@ -88,7 +77,37 @@ def draw_physics(
         axes.set_xlabel("CPU ms a solve, one thread")
         axes.set_xscale("log")
         axes.grid(alpha=0.3, linewidth=0.5)
-        axes.legend(fontsize=7)
-    figure.tight_layout()
+        # below the panel, where no point can lie
+        axes.legend(fontsize=7.5, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, frameon=False)
     figure.savefig(path, dpi=130, format="png")
     return path
+
+
+def _draw_ladder(axes: Axes, solid: Sequence[SolidRow], deepest: int) -> None:
+    """Each rung under each class; hollow where the error is less than the reference of that class itself still moved.
+
+    Marks shrink from class to class, so that those of equal error and cost show inside one another.
+    """
+    rungs, classes = (list(dict.fromkeys(getattr(row, name) for row in solid)) for name in ("rung", "indenter"))
+    moved = {row.indenter: max(row.reference[:deepest]) for row in solid}
+    for row in solid:
+        number, colour = classes.index(row.indenter), _COLOURS[rungs.index(row.rung)]
+        error = max(map(abs, row.force[:deepest]))
+        resolved = error > moved[row.indenter]
+        axes.plot(
+            [row.cost_ms],
+            [100 * error],
+            _MARKS[number],
+            markeredgecolor="white" if resolved else colour,
+            markerfacecolor=colour if resolved else "white",
+            markersize=12 - 1.5 * number,
+            zorder=2 + number,
+        )
+    for number, rung in enumerate(rungs):
+        axes.plot([], [], "s", color=_COLOURS[number], label=rung)
+    for number, name in enumerate(classes):
+        label = f"{name} (reference moved {moved[name]:.1%})"
+        axes.plot([], [], _MARKS[number], color="none", markeredgecolor="black", label=label)
+    axes.plot([], [], "o", color="#555555", markerfacecolor="white", label="hollow: less than the reference moved")
+    axes.set(yscale="log", ylabel="force error, %", title="against the hyperelastic pad, d/h to 0.2")
+    axes.yaxis.set_major_formatter("{x:g}")

@@ -3,12 +3,13 @@
 from dataclasses import replace
 
 import pytest
+from matplotlib.figure import Figure
 
 from sensors.contact.ladder import committed_table
 from sensors.contact.scoring import against_hyperelastic, compare_with_tamaas, score_closed_forms
 from sensors.contact.scoring.closed_forms import finite_thickness
-from sensors.contact.scoring.figure import draw_physics
-from sensors.contact.scoring.hyperelastic import force_within
+from sensors.contact.scoring.figure import _draw_ladder, draw_physics
+from sensors.contact.scoring.hyperelastic import SolidRow, force_within
 from sensors.contact.scoring.peer import PeerRow, has_tamaas
 
 
@@ -81,3 +82,17 @@ def test_the_figure_holds_three_panels_with_and_without_the_peer(tmp_path, rows)
         assert path.read_bytes()[:4] == b"\x89PNG"
         sizes.append(path.stat().st_size)
     assert sizes[0] != sizes[1]
+
+
+def test_a_point_is_hollow_where_the_reference_of_its_own_class_moved_more():
+    axes = Figure().add_subplot()
+    rows = [
+        SolidRow("a", "sphere", (0.01, -0.02), (0.0, 0.0), (0.004, 0.004), 1.0),
+        SolidRow("a", "punch", (0.01, -0.02), (0.0, 0.0), (0.03, 0.004), 1.0),
+    ]
+    _draw_ladder(axes, rows, 2)
+    points = {line.get_marker(): line.get_markerfacecolor() != "white" for line in axes.lines if len(line.get_xdata())}
+    assert points == {"o": True, "s": False}
+    assert all(line.get_ydata()[0] == pytest.approx(2.0) for line in axes.lines if len(line.get_xdata()))
+    names = axes.get_legend_handles_labels()[1]
+    assert {"a", "sphere (reference moved 0.4%)", "punch (reference moved 3.0%)"} <= set(names)
