@@ -1,4 +1,4 @@
-"""The pages on one's own method and one's own data run word for word."""
+"""The pages on one's own method and one's own data run word for word, and so do the orders for ONNX files."""
 
 import json
 import os
@@ -94,3 +94,29 @@ def test_your_own_recordings_are_scored_and_open_elsewhere(place, capsys):
     look = subprocess.run([sys.executable, "look.py"], env=environment, capture_output=True, text=True, timeout=120)
     assert look.returncode == 0, look.stderr
     assert look.stdout.splitlines()[-1] == "(32, 32) ['cup', 'nut', 'pen']"
+
+
+def test_every_folder_of_data_that_the_page_on_fusion_reads_is_made_there():
+    """An order that reads a folder stands below the one that writes it, in one block."""
+    blocks = re.findall(r"```sh\n(.*?)```", (DOCS / "fusion.md").read_text(encoding="utf-8"), flags=re.DOTALL)
+    read = 0
+    for block in blocks:
+        made = set()
+        for line in block.splitlines():
+            words = shlex.split(line, comments=True)
+            if "--data" in words:
+                read += 1
+                assert words[words.index("--data") + 1] in made, line
+            if words[1] == "generate":
+                made.add(words[words.index("-o") + 1])
+    assert read >= 4
+
+
+@pytest.mark.slow
+def test_slip_detectors_are_exported_as_the_page_on_fusion_says(place):
+    """With fewer trials; those on presses are the export command's own tests."""
+    lines = [line for line in write_files("fusion.md", place) if "data/slip" in line]
+    assert len(lines) == 3
+    follow([re.sub(r"--samples \d+", "--samples 12", line.partition("#")[0]) for line in lines])
+    assert (place / "covariance.onnx").is_file()
+    assert (place / "on-robot.onnx").is_file()
