@@ -14,7 +14,8 @@ from sensors.slide.scene import SlipScene
 
 MODELS = {
     "hollow": "a hollow skin has one contact model (skin): an error bound takes its grid",
-    "plate": "a film on a plate has two contact models (springs, layer): an error bound takes model and grid",
+    "plate": "a film on a plate has two contact models (springs, layer): an error bound takes model and grid; the "
+    "errors above are against the same linear film, and a bound counts the finite strain of the film on top",
 }
 """What an error bound can choose from, by the sensor's support."""
 SLIDES = "a slip scene takes no error bound: model and grid are the sensor's own, and their errors are not measured"

@@ -7,9 +7,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from sensors.contact.ladder import committed_table
+from sensors.contact.ladder.finite_strain import linear_error
 from sensors.contact.large_deflection import linear_excess
-from sensors.contact.scoring.hyperelastic import force_within
 from sensors.explain import Effect, Explanation, Readings, Run, Switch, measure_switches, rms
 from sensors.explain_grids import MODELS, press_grids
 from sensors.fvsight import FVSightUnit, Press, fvsight_unit
@@ -190,10 +189,12 @@ def _stretching(scene: PressScene, presses: Sequence[tuple[FVSightUnit, Press]])
 def _finite_strain(scene: PressScene, presses: Sequence[tuple[FVSightUnit, Press]]) -> Effect:
     """The linear film against the hyperelastic one: the ladder's classes of indenter stand for the objects."""
     ratio = max(press.contact.indentation_m for _, press in presses) / (scene.sensor.film_thickness_mm * 1e-3)
-    measured = committed_table().depth_ratios
-    depth = next((one for one in measured if one >= ratio), measured[-1])
-    worst, _ = force_within(1.0, depth, "layer-128")
-    why = f"pressed to {ratio:.2f} of its thickness; the linear layer's force is up to {worst:.1%} off at {depth:g}"
+    try:
+        off = linear_error(ratio, scene.sensor.film_poisson)
+        why = f"pressed to {ratio:.2f} of its thickness; the linear layer's force is up to {off.force:.1%} off at "
+        why += f"{off.depth_ratio:g}" + ("; the error bound counts it" if scene.error_bound else "")
+    except ValueError as error:
+        why = str(error)
     return Effect("finite strain of the film", False, why)
 
 

@@ -45,6 +45,7 @@ def simulate(scene: PressScene, index: int, seed: int, truth: tuple[str, ...] = 
     gap = presented_gap(what.object_name, unit, pose, scene.specimen_mm * 1e-3)
     load_n = _draw_load(scene, what, load_rng)
     press = unit.press(gap, load_n)
+    scene.keep_bound(press.contact.indentation_m)
     load, hold = load_history(scene.motion, load_n, load_rng)
     series = unit.read(taxel_history(unit, gap, press, load), session, force_rng)
     middle = (hold[0] + hold[1]) // 2

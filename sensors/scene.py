@@ -20,7 +20,7 @@ from pydantic import (
 
 from sensors import objects
 from sensors.fvsight import FVSightParameters
-from sensors.grids import GridChoice, choose_grid
+from sensors.grids import GridChoice, choose_grid, refuse_deeper
 
 _LATER = ("creep", "partial_slip")
 """Effects that came after the first datasets."""
@@ -146,7 +146,10 @@ class Motion(_Part):
 
 
 class ErrorBound(_Part):
-    """How far readings may be off by contact model and grid; the cheapest that were measured to be within are taken."""
+    """How far readings may be off by contact model and grid; the cheapest that were measured to be within are taken.
+
+    On a plate what a linear film leaves out at its depth (finite strain) counts too, and the frame takes no bound.
+    """
 
     force: float | None = Field(None, gt=0, description="of each taxel, as a share of the load")
     displacement: float | None = Field(None, gt=0, description="of the surface that the camera sees, relative RMS")
@@ -238,6 +241,13 @@ class PressScene(_Part):
         if self.error_bound is None:
             return None
         return choose_grid(self.sensor.model_dump(), self.object_classes, self.loads_n, self.error_bound.named())
+
+    def keep_bound(self, indentation_m: float) -> None:
+        """ValueError where a press came so deep into a film on a plate that the error bound is broken."""
+        choice = self.grid_choice()
+        if choice is not None and self.error_bound is not None:
+            depth_ratio = indentation_m / (self.sensor.film_thickness_mm * 1e-3)
+            refuse_deeper(choice, depth_ratio, self.sensor.film_poisson, self.error_bound.named())
 
     @property
     def object_classes(self) -> tuple[str, ...]:

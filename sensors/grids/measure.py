@@ -42,6 +42,7 @@ class _Seen:
     surface: NDArray[np.floating]
     frame: NDArray[np.floating]
     cost_ms: float
+    depth_ratio: float
 
 
 def measure_grids(
@@ -62,7 +63,7 @@ def measure_grids(
         units = {(n, contact): FVSightUnit(_pad(pad, n, contact), 0) for n, contact in wanted}
         exactly = units[REFERENCE, "elastic"], units[FINER, "elastic"]
         del units[FINER, "elastic"]
-        found: dict[tuple[str, int, str], list[tuple[float, float, float, float]]] = {}
+        found: dict[tuple[str, int, str], list[tuple[float, ...]]] = {}
         for name in names or objects.names():
             family = objects.get(name).family
             for pose in _POSES:
@@ -96,25 +97,29 @@ def _see(
     frame = unit.camera.clean(press.surface_modes)
     cost_ms = 1e3 * (time.process_time() - start)
     basis = _pixels(unit.grid.n)
-    return _Seen(press.taxel_load, basis @ press.surface_modes @ basis.T, frame, cost_ms)
+    thickness = unit.skin.film.thickness_m
+    depth_ratio = press.contact.indentation_m / thickness if unit.parameters.support == "plate" else 0.0
+    return _Seen(press.taxel_load, basis @ press.surface_modes @ basis.T, frame, cost_ms, depth_ratio)
 
 
 def _pixels(n: int) -> NDArray[np.float64]:
     return sine_basis((np.arange(REGION_PIXELS) + 0.5) / REGION_PIXELS, n)
 
 
-def _errors(seen: _Seen, exact: _Seen, load_n: float) -> tuple[float, float, float, float]:
+def _errors(seen: _Seen, exact: _Seen, load_n: float) -> tuple[float, ...]:
     def rms(field: NDArray[Any]) -> float:
         return float(np.sqrt(np.mean(np.square(field, dtype=np.float64))))
 
     force = float(np.abs(seen.taxels - exact.taxels).max()) / load_n
-    return force, rms(seen.surface - exact.surface) / rms(exact.surface), rms(seen.frame - exact.frame), seen.cost_ms
+    displacement = rms(seen.surface - exact.surface) / rms(exact.surface)
+    return force, displacement, rms(seen.frame - exact.frame), seen.cost_ms, seen.depth_ratio
 
 
-def _row(pad: str, family: str, grid: int, contact: str, values: list[tuple[float, float, float, float]]) -> GridRow:
-    force, displacement, frame, cost = np.array(values).T
-    worst = [round(float(column.max()), 5) for column in (force, displacement, frame)]
-    return GridRow(pad, family, grid, worst[0], worst[1], worst[2], round(float(np.median(cost)), 3), contact)
+def _row(pad: str, family: str, grid: int, contact: str, values: list[tuple[float, ...]]) -> GridRow:
+    *columns, cost, depth = np.array(values).T
+    force, displacement, frame, deepest = (round(float(column.max()), 5) for column in (*columns, depth))
+    cost_ms = round(float(np.median(cost)), 3)
+    return GridRow(pad, family, grid, force, displacement, frame, cost_ms, contact, deepest)
 
 
 def _machine() -> str:

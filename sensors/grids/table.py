@@ -22,7 +22,8 @@ class GridRow:
 
     `force`: of a taxel, over the whole load. `displacement`: root mean square over that of the reference, of the
     surface that the camera sees. `frame`: root mean square over the 256x256 frame, grey levels, without noise.
-    `cost_ms`: CPU of contact, taxels and frame. `contact`: as in the sensor's parameters.
+    `cost_ms`: CPU of contact, taxels and frame. `contact`: as in the sensor's parameters. `depth_ratio`: the deepest
+    indentation of a film on a plate over its thickness, 0 for a hollow skin.
     """
 
     pad: str
@@ -33,6 +34,7 @@ class GridRow:
     frame: float
     cost_ms: float
     contact: str = "elastic"
+    depth_ratio: float = 0.0
 
 
 @dataclass(frozen=True)

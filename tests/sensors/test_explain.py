@@ -115,6 +115,16 @@ def test_a_pad_on_a_plate_shows_both_models_and_what_linear_elasticity_leaves_ou
     assert "two contact models" in found.models
     assert any(row.name == "finite strain of the film" and "%" in row.why for row in found.effects)
     assert len(found.effects) == n_effects(PressScene(id="p", title="p", sensor=pad))
+    assert "finite strain of the film on top" in found.models
+
+
+def test_a_film_pressed_deeper_than_measured_has_an_unknown_error():
+    """No figure of a shallower depth stands in for it."""
+    pad = FVSightParameters(support="plate", grid=64, film_thickness_mm=4.0, film_modulus_mpa=0.15)
+    scene = PressScene(id="p", title="p", objects=("walnut",), sensor=pad)
+    why = next(row.why for row in explain_press(scene, 1).effects if row.name == "finite strain of the film")
+    assert re.search(r"pressed to 0\.[3-9]\d of its thickness, deeper than measured \(0\.3\): .* unknown", why)
+    assert "%" not in why
 
 
 def test_samples_spread_over_the_protocol_and_none_is_refused():

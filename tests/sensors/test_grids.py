@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sensors.contact.ladder import committed_table
+from sensors.contact.ladder.finite_strain import linear_error
 from sensors.grids import choose_grid, committed_grids, read_grids, write_grids
 from sensors.grids.choose import BOUNDS, measured_choices
 from sensors.grids.measure import measure_grids
@@ -67,6 +69,68 @@ def test_spoilt_springs_change_the_model(table, spoil):
     assert choose_grid(ON_PLATE, CLASSES, LOADS, bounds, table).contact == "springs"
     rows = tuple(replace(row, **spoil) if row.contact == "springs" else row for row in table.rows)
     assert choose_grid(ON_PLATE, CLASSES, LOADS, bounds, replace(table, rows=rows)).contact == "elastic"
+
+
+def on_plate(bound, **changes):
+    return PressScene(**PLAIN.model_dump() | {"sensor": ON_PLATE, "error_bound": bound} | changes)
+
+
+def test_a_bound_on_a_plate_counts_what_a_linear_film_leaves_out():
+    """Bound = grid against the same linear film + linear against hyperelastic; a bound between the two is refused."""
+    taken = choose_grid(ON_PLATE, CLASSES, LOADS, {"force": 1.0})
+    grid_alone = {(one.grid, one.contact): one for one in measured_choices(ON_PLATE, CLASSES, LOADS)}[64, "springs"]
+    finite = linear_error(grid_alone.depth_ratio, 0.45)
+    assert (taken.grid, taken.contact) == (64, "springs")
+    assert taken.force == pytest.approx(grid_alone.force + finite.force)
+    assert taken.displacement == pytest.approx(grid_alone.displacement + finite.displacement)
+    assert finite.force > 0.02
+    for bound in (0.02, 1e-3):
+        with pytest.raises(ValueError, match=r"nearest is .* of the force by finite strain of the film at d/h 0\.\d\d"):
+            choose_grid(ON_PLATE, CLASSES, LOADS, {"force": bound})
+
+
+def test_a_linear_film_is_further_off_the_deeper_and_unknown_beyond_what_was_measured():
+    """Against the ladder's own rows: the worst class, the reference's change counted; between nus the worse."""
+    ladder = committed_table()
+    for nu in (0.41, 0.45):
+        found = [linear_error(depth, nu).force for depth in ladder.depth_ratios]
+        assert found == sorted(found)
+        own = [row for row in ladder.rows if (row.rung, row.side_ratio, row.poisson_ratio) == ("layer-fine", 8.0, nu)]
+        assert found[-1] > max(abs(error) for row in own for error in row.force_error)
+    assert linear_error(0.11, 0.43).force == linear_error(0.2, 0.41).force
+    for depth, nu, message in ((0.31, 0.45, "deeper than measured"), (np.nan, 0.45, "deeper"), (0.1, 0.49, "poisson")):
+        with pytest.raises(ValueError, match=message):
+            linear_error(depth, nu)
+
+
+@pytest.mark.parametrize(
+    ("bound", "objects", "message"),
+    [
+        ({"frame": 9.0}, ("button",), "frame cannot be kept on a plate"),
+        ({"force": 0.025}, ("button",), "no contact grid is within"),
+        ({"force": 0.06}, ("walnut",), "by finite strain of the film"),
+    ],
+)
+def test_a_bound_that_a_linear_film_breaks_is_refused(bound, objects, message):
+    with pytest.raises(ValueError, match=message):
+        on_plate(bound, objects=objects)
+
+
+def test_a_press_deeper_than_its_bound_counted_with_is_refused(table, monkeypatch):
+    """The scene was measured to be shallow; the press itself says how deep it goes."""
+    scene = on_plate({"force": 0.06}, objects=("button",))
+    assert simulate(scene, 0, 0).indentation_mm < 0.1 * 4.0
+    scene.keep_bound(0.09 * 4e-3)
+    with pytest.raises(ValueError, match=r"pressed to 0\.25 .* of the force, .* \(error bound 0\.06\)"):
+        scene.keep_bound(0.25 * 4e-3)
+    with pytest.raises(ValueError, match="deeper than measured"):
+        scene.keep_bound(0.5 * 4e-3)
+    shallow = replace(table, rows=tuple(replace(row, depth_ratio=0.01) for row in table.rows))
+    monkeypatch.setattr("sensors.grids.choose.committed_grids", lambda: shallow)
+    finest = choose_grid(ON_PLATE, ("button",), LOADS, {"force": 0.0285, "displacement": 0.2})
+    with pytest.raises(ValueError, match=r"error bound 0\.0285"):
+        simulate(on_plate({"force": 0.0285, "displacement": 0.2}, objects=("button",)), 0, 0)
+    assert finest.grid == 256
 
 
 def test_a_scene_presses_with_the_model_of_its_bound():
@@ -163,3 +227,5 @@ def test_the_committed_table_is_what_the_grids_do_today(table):
         for name in BOUNDS:
             known = getattr(kept[row.pad, row.grid, row.contact], name)
             assert getattr(row, name) == pytest.approx(known, rel=0.05, abs=2e-4)
+        assert row.depth_ratio == pytest.approx(kept[row.pad, row.grid, row.contact].depth_ratio, rel=1e-3)
+        assert (row.depth_ratio > 0) == (row.pad != "skin")
