@@ -38,7 +38,7 @@ def one_line(
         source: file that the data came from, to begin the line with.
         lines: line number of each key path in that file.
     """
-    problems = error.errors(include_url=False)
+    problems = _problems(error)
     # a misspelt key is also a missing one: what was written comes before what was not
     first = min(problems, key=lambda problem: problem["type"] in _MISSING_KEY)
     at = _in_data(first["loc"], data)
@@ -55,18 +55,26 @@ def every_line(
 ) -> list[str]:
     """Every problem of a `ValidationError`, one line each, by line and key; for checkers that list them all."""
     found: dict[KeyPath, str] = {}
-    problems = error.errors(include_url=False)
-    for problem in problems:
-        depth = len(problem["loc"])
-        inner = any(len(each["loc"]) > depth and each["loc"][:depth] == problem["loc"] for each in problems)
-        if problem["type"] == "too_short" and inner:
-            continue  # an item that is refused also leaves its list too short
+    for problem in _problems(error):
         at = _in_data(problem["loc"], data)
         line = _nearest_line(at, lines or {})
         where = f"line {line}" if line else ""
         parts = (where, dotted(at), _explain(problem, model, data))
         found.setdefault(at, ": ".join(part for part in parts if part))
     return list(found.values())
+
+
+def _problems(error: pydantic.ValidationError) -> list[Any]:
+    """Every problem; not of a list that an item's refusal left too short."""
+    found = error.errors(include_url=False)
+
+    def follows(problem: Any) -> bool:
+        depth = len(problem["loc"])
+        return problem["type"] == "too_short" and any(
+            len(each["loc"]) > depth and each["loc"][:depth] == problem["loc"] for each in found
+        )
+
+    return [problem for problem in found if not follows(problem)]
 
 
 def dotted(at: Sequence[str | int]) -> str:

@@ -1,8 +1,8 @@
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import pytest
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AllowInfNan, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from vtbench.validation import dotted, one_line
 
@@ -39,7 +39,7 @@ class Sensor(_Part):
     by_name: dict[str, Camera] = {}
     view: Literal["crop", "full"] = "crop"
     span_mm: tuple[float, float] = (0.0, 1.0)
-    loads_n: tuple[float, ...] = Field((5.0,), min_length=1)
+    loads_n: tuple[Annotated[float, AllowInfNan(False)], ...] = Field((5.0,), min_length=1)
 
     @model_validator(mode="after")
     def _ordered(self):
@@ -75,6 +75,7 @@ def line_for(data, lines=None, source="sensor.yaml"):
         ({"span_mm": [2, 1]}, "span_mm: expected low before high, got [2.0, 1.0]"),
         ({"camera": {"shutter": {}}}, "camera.shutter.rate_hz: expected this key, got nothing"),
         ({"loads_n": []}, "loads_n: expected at least 1 item, got []"),
+        ({"loads_n": [float("nan")]}, "loads_n[0]: expected a finite number, got nan"),
         ({"span_mm": 3}, "span_mm: expected a list such as [3], got 3"),
         ({"cameras": "left"}, "cameras: expected a list, got 'left'"),
     ],
