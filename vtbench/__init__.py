@@ -11,9 +11,18 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fusion import JKSC as JKSC
     from fusion import KSC as KSC
+    from fusion import ErrorEllipsoid as ErrorEllipsoid
+    from fusion import GlobalAlignment as GlobalAlignment
     from fusion import WeightedKNN as WeightedKNN
     from fusion import error_ellipsoids as error_ellipsoids
+    from fusion import gram_lasso as gram_lasso
     from fusion import kernel_omp_gram as kernel_omp_gram
+    from fusion.features import Backbone as Backbone
+    from fusion.features import ModalityPCA as ModalityPCA
+    from fusion.features import backbone_names as backbone_names
+    from fusion.features import get_backbone as get_backbone
+    from fusion.neural import FusionTransformer as FusionTransformer
+    from fusion.neural import LateFusionNet as LateFusionNet
     from leaderboard import Record as Record
     from leaderboard import build_board as build_board
     from leaderboard import read_records as read_records
@@ -28,15 +37,32 @@ if TYPE_CHECKING:
     from vtbench.data import import_folder as import_folder
     from vtbench.data import load_fabricslide16 as load_fabricslide16
     from vtbench.data import write_dataset as write_dataset
+    from vtbench.exporting import DetectorOrder as DetectorOrder
+    from vtbench.exporting import Order as Order
+    from vtbench.exporting import Samples as Samples
+    from vtbench.exporting import Trials as Trials
+    from vtbench.exporting import export as export
+    from vtbench.exporting import export_detector as export_detector
+    from vtbench.exporting import open_samples as open_samples
+    from vtbench.exporting import open_trials as open_trials
     from vtbench.run import rescore as rescore
     from vtbench.run import run_suite as run_suite
 
 _HOME = {
+    "ErrorEllipsoid": "fusion",
+    "GlobalAlignment": "fusion",
     "JKSC": "fusion",
     "KSC": "fusion",
     "WeightedKNN": "fusion",
     "error_ellipsoids": "fusion",
+    "gram_lasso": "fusion",
     "kernel_omp_gram": "fusion",
+    "Backbone": "fusion.features",
+    "ModalityPCA": "fusion.features",
+    "backbone_names": "fusion.features",
+    "get_backbone": "fusion.features",
+    "FusionTransformer": "fusion.neural",
+    "LateFusionNet": "fusion.neural",
     "Record": "leaderboard",
     "build_board": "leaderboard",
     "read_records": "leaderboard",
@@ -51,6 +77,14 @@ _HOME = {
     "import_folder": "vtbench.data",
     "load_fabricslide16": "vtbench.data",
     "write_dataset": "vtbench.data",
+    "DetectorOrder": "vtbench.exporting",
+    "Order": "vtbench.exporting",
+    "Samples": "vtbench.exporting",
+    "Trials": "vtbench.exporting",
+    "export": "vtbench.exporting",
+    "export_detector": "vtbench.exporting",
+    "open_samples": "vtbench.exporting",
+    "open_trials": "vtbench.exporting",
     "rescore": "vtbench.run",
     "run_suite": "vtbench.run",
 }

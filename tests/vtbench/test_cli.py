@@ -3,10 +3,12 @@ import os
 import re
 import subprocess
 import sys
+from importlib import import_module
 
 import pytest
 
 import vtbench as package
+from fusion import features
 from vtbench import cli
 
 COMMANDS = (
@@ -53,6 +55,16 @@ def test_the_public_names_load_and_importing_the_package_loads_none_of_them():
     assert re.match(r"\d+\.\d+", package.__version__)
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = package.nothing
+
+
+@pytest.mark.parametrize("home", ["fusion", "fusion.neural", "vtbench.exporting"])
+def test_a_package_of_the_house_is_reached_from_the_door(home):
+    """Its public names are those of `vtbench`, the same objects; of `fusion.features` what a user calls."""
+    part = import_module(home)
+    for name in part.__all__:
+        assert getattr(package, name) is getattr(part, name)
+    assert package.get_backbone is features.get_backbone
+    assert package.backbone_names is features.backbone_names
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import runpy
 import shlex
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import cv2
 import numpy as np
 import pytest
 
+from fusion.features import get_backbone
 from vtbench.cli import main
 from vtbench.config import load_scene, load_suite
 
@@ -58,6 +60,21 @@ def test_a_scene_of_your_own_stands_beside_the_suite(place, monkeypatch):
     scene = load_scene(dataset.scene)
     assert (scene.id, scene.object_names[0], scene.load.deep_n) == ("my-coins", "coin-1-euro", 6.0)
     assert dataset.samples <= scene.n_samples
+
+
+def test_a_backbone_of_your_own_gives_the_suite_its_features(place):
+    write_files("own-method.md", place)
+    runpy.run_path("my_backbone.py")
+    text = (DOCS / "own-method.md").read_text(encoding="utf-8")
+    (line,) = re.findall(r"In `my-suite\.yaml` it is `(backbone: .+?)`", text)
+    (feeds,) = re.findall(r"`(modalities: .+?)`", text)
+    suite = place / "my-suite.yaml"
+    suite.write_text(re.sub(r"modalities: .*", feeds, suite.read_text()) + f"{line}\n")
+    read = load_suite(suite)
+    frames = np.random.default_rng(0).integers(0, 256, (2, 40, 30, 3), dtype=np.uint8)
+    features = get_backbone(read.backbone).extract(frames)
+    np.testing.assert_allclose(features, frames.mean((1, 2)), rtol=1e-5)
+    assert read.entries[0].modalities == ("image", "image-change", "fused")
 
 
 def record(folder):
