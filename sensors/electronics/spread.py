@@ -38,6 +38,8 @@ class ArrayTraits:
 
     def drift(self, rng: np.random.Generator, gain: float = 0.01, offset_n: float = 0.02) -> ArrayTraits:
         """The same array in its next session: gains move by `gain` (relative), offsets by `offset_n` (N)."""
+        if not (0 <= gain < np.inf and 0 <= offset_n < np.inf):
+            raise ValueError(f"a drift needs gain >= 0 and offset_n >= 0, got {gain}, {offset_n}")
         taxels = len(self.gain)
         return replace(
             self,

@@ -22,6 +22,7 @@ from sensors.taxel_pad import TaxelPadParameters
 from sensors.two_pad_grasp import Grasp, lift_cube
 
 GEL = LayerMaterial(3e-3, 1e5, 0.45)
+STILL = ArrayTraits.draw(np.random.default_rng(0), 4)
 PARTS = [
     (LayerMaterial, (3e-3, 1e5, 0.45)),
     (Grid, (8, 1e-2)),
@@ -31,6 +32,7 @@ PARTS = [
     (lambda tau, depth, closing: Creep((tau,), (depth,), closing), (0.3, 0.1, 0.3)),
     (lambda threshold, weight: PrandtlIshlinskii((threshold,), (weight,)), (0.5, 0.1)),
     (lambda *spreads: ArrayTraits.draw(np.random.default_rng(0), 4, *spreads), (0.03, 0.1, 0.1)),
+    (lambda *drifts: STILL.drift(np.random.default_rng(0), *drifts), (0.01, 0.02)),
     (lambda *numbers: CapacitiveChain(*numbers), (0.5, 4.0, 4800.0, 5.0, 28.0, 1.0, 4095.0)),
     (lambda mm: replace(FABRICS["fine"], warp_mm=mm), (0.5,)),
     (lambda mm: replace(FABRICS["fine"], relief_mm=mm), (0.5,)),
