@@ -14,7 +14,7 @@ from vtbench.commands.parser import Parser, add_command, add_jobs, add_json, add
 if TYPE_CHECKING:
     from vtbench.training.recipe import Trained
 
-_DEFAULT_IMAGES, _DEFAULT_EPOCHS = 4500, 8
+_DEFAULT_IMAGES, _DEFAULT_EPOCHS = 9000, 20
 
 
 def add(commands: _SubParsersAction[Parser]) -> None:

@@ -51,7 +51,7 @@ class TrainingPlan:
     """
 
     seed: int = 0
-    presses: int = 4500
+    presses: int = 9000
     shapes: int = 400
     per_unit: int = 60
     offset_mm: float = 10.0

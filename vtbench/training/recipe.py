@@ -29,8 +29,8 @@ class Settings:
     """What the command says; `threads` of training, `jobs` processes that simulate."""
 
     seed: int = 0
-    images: int = 4500
-    epochs: int = 8
+    images: int = 9000
+    epochs: int = 20
     device: str = "cpu"
     threads: int = 1
     jobs: int = 1
