@@ -153,7 +153,7 @@ class ErrorBound(_Part):
 
     force: float | None = Field(None, gt=0, description="of each taxel, as a share of the load")
     displacement: float | None = Field(None, gt=0, description="of the surface that the camera sees, relative RMS")
-    frame: float | None = Field(None, gt=0, description="RMS over the 256x256 frame in grey levels")
+    frame: float | None = Field(None, gt=0, description="RMS over the 256x256 frame in grey levels; hollow skins alone")
 
     @model_validator(mode="after")
     def _bounds_something(self) -> ErrorBound:
