@@ -39,6 +39,7 @@ MODALITIES = {
     "fused": "force + image",
     "fused-equal": "force + image, equal",
     "fused-change": "force + image change",
+    "fused-change-equal": "force + image change, equal",
     "pixels-change": "pixels of the change",
     "fused-pixels": "force in time + pixels",
     "fused-pixels-change": "force in time + pixels of the change",
