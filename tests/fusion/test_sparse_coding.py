@@ -9,25 +9,11 @@ from sklearn.neighbors import KNeighborsClassifier
 
 from fusion import JKSC, KSC
 from fusion.class_residual import class_residual, class_scores
-from fusion.features import ModalityPCA
 from fusion.gram import stored_gram
 from fusion.kernels import rbf_kernel
-from fusion.komp import joint_komp, kernel_omp_gram
+from fusion.komp import kernel_omp_gram
 
 MODALITIES = {"image": slice(0, 8), "force": slice(8, 12)}
-
-
-def clusters(seed=0, n_classes=5, per_class=8, n_queries=40, spread=0.7, d=12):
-    rng = np.random.default_rng(seed)
-    centres = rng.normal(size=(n_classes, d))
-    y = np.arange(n_classes * per_class) % n_classes
-    truth = np.arange(n_queries) % n_classes
-    return (
-        centres[y] + spread * rng.normal(size=(len(y), d)),
-        y,
-        centres[truth] + spread * rng.normal(size=(n_queries, d)),
-        truth,
-    )
 
 
 def both_kinds():
@@ -43,23 +29,12 @@ def both_kinds():
 
 
 @pytest.mark.parametrize("model", both_kinds(), ids=str)
-def test_learns_separate_clusters(model):
+def test_learns_separate_clusters(clusters, model):
     X, y, queries, truth = clusters(spread=0.4)
     assert np.mean(model.fit(X, y).predict(queries) == truth) > 0.9
 
 
-@pytest.mark.parametrize("solver", ["komp", "lasso"])
-@pytest.mark.parametrize("kernel", ["rbf", "linear"])
-@pytest.mark.parametrize("coupling", ["shared", "independent"])
-def test_joint_coding_of_one_modality_is_kernel_sparse_coding_to_the_bit(solver, kernel, coupling):
-    X, y, queries, _ = clusters()
-    expected = KSC(kernel, solver=solver).fit(X, y).decision_function(queries)
-    for modalities in (None, {"all": slice(0, 12)}):
-        model = JKSC(modalities, coupling=coupling, kernel=kernel, solver=solver)
-        np.testing.assert_array_equal(model.fit(X, y).decision_function(queries), expected)
-
-
-def test_precomputed_kernel_gives_the_labels_of_the_kernel_itself():
+def test_precomputed_kernel_gives_the_labels_of_the_kernel_itself(clusters):
     X, y, queries, _ = clusters()
     gamma = 0.05
     expected = KSC(gamma=gamma).fit(X, y).predict(queries)
@@ -67,7 +42,7 @@ def test_precomputed_kernel_gives_the_labels_of_the_kernel_itself():
     np.testing.assert_array_equal(model.predict(rbf_kernel(queries, X, gamma)), expected)
 
 
-def test_score_is_minus_the_paper_residual_computed_class_by_class():
+def test_score_is_minus_the_paper_residual_computed_class_by_class(clusters):
     X, y, queries, _ = clusters(1)
     G, K = rbf_kernel(X, X, 0.1), rbf_kernel(queries, X, 0.1)
     indices, coefs, _, _ = kernel_omp_gram(G, K, 10)
@@ -82,7 +57,7 @@ def test_score_is_minus_the_paper_residual_computed_class_by_class():
 
 
 @pytest.mark.parametrize("model", both_kinds(), ids=str)
-def test_classes_without_a_selected_atom_score_finitely_below_the_others(model, monkeypatch):
+def test_classes_without_a_selected_atom_score_finitely_below_the_others(clusters, model, monkeypatch):
     seen = []
     monkeypatch.setattr(
         "fusion.sparse_coding.class_scores", lambda residual, found: seen.append(found) or class_scores(residual, found)
@@ -111,7 +86,7 @@ def test_masked_classes_lie_below_every_other_at_any_scale():
 
 
 @pytest.mark.parametrize("solver", ["komp", "lasso"])
-def test_a_narrow_kernel_is_the_nearest_neighbour(solver):
+def test_a_narrow_kernel_is_the_nearest_neighbour(clusters, solver):
     X, y, queries, _ = clusters(3, spread=1.5)
     expected = KNeighborsClassifier(1).fit(X, y).predict(queries)
     np.testing.assert_array_equal(KSC(gamma=1e3, solver=solver).fit(X, y).predict(queries), expected)
@@ -119,37 +94,14 @@ def test_a_narrow_kernel_is_the_nearest_neighbour(solver):
 
 @pytest.mark.parametrize("gamma", 10.0 ** np.arange(-12, 4))
 @pytest.mark.parametrize("model", [KSC(), JKSC(MODALITIES), JKSC(MODALITIES, coupling="independent")], ids=str)
-def test_every_kernel_width_has_a_finite_answer(model, gamma):
+def test_every_kernel_width_has_a_finite_answer(clusters, model, gamma):
     X, y, queries, truth = clusters(4, spread=0.2)
     model = model.set_params(gamma=gamma).fit(X, y)
     assert np.isfinite(model.decision_function(queries)).all()
     assert np.mean(model.predict(queries) == truth) > 0.85
 
 
-@pytest.mark.parametrize("coupling", ["shared", "independent"])
-@pytest.mark.parametrize("gammas", [(0.02, 0.02), (0.01, 0.3), (0.4, 0.005)], ids=str)
-def test_joint_scores_are_those_of_unshifted_kernels_times_one_factor_a_query(coupling, gammas):
-    """A shift of its own in each modality would weigh the modalities anew for every query."""
-    X, y, queries, _ = clusters(20, spread=1.2)
-    weights = [1.0, 0.6]
-    joint = JKSC(MODALITIES, coupling=coupling, gamma=dict(zip(MODALITIES, gammas, strict=True)))
-    joint = joint.set_params(weights=dict(zip(MODALITIES, weights, strict=True))).fit(X, y)
-    parts = [(X[:, c], queries[:, c], g) for c, g in zip(MODALITIES.values(), gammas, strict=True)]
-    grams = [rbf_kernel(x, x, g) for x, _, g in parts]
-    kernels = np.stack([rbf_kernel(q, x, g) for x, q, g in parts])
-    residual, has_atom = np.zeros((len(queries), 5)), np.zeros((len(queries), 5), dtype=bool)
-    for members in [[0, 1]] if coupling == "shared" else [[0], [1]]:
-        gram, k, w = stored_gram([grams[m] for m in members]), kernels[members], [weights[m] for m in members]
-        codes, _ = joint_komp(gram, k, 10, weights=w)
-        part, found = class_residual(gram, k, codes.indices, codes.coefs, y, 5, w)
-        residual, has_atom = residual + part, has_atom | found
-    scores = joint.decision_function(queries)
-    factor = kernels.max(axis=(0, 2))[:, None] ** 2
-    np.testing.assert_allclose((scores * factor)[has_atom], -residual[has_atom], rtol=1e-7, atol=1e-12)
-    np.testing.assert_array_equal(joint.predict(queries), np.argmax(class_scores(residual, has_atom), axis=1))
-
-
-def test_the_shift_changes_no_label():
+def test_the_shift_changes_no_label(clusters):
     X, y, queries, _ = clusters(5, spread=1.0)
     for gamma in (0.01, 0.1, 0.5):
         kernel = rbf_kernel(queries, X, gamma)
@@ -159,23 +111,14 @@ def test_the_shift_changes_no_label():
 
 @pytest.mark.parametrize("scale", [1e-9, 1e9])
 @pytest.mark.parametrize("model", both_kinds(), ids=str)
-def test_the_unit_of_the_features_changes_no_label(model, scale):
+def test_the_unit_of_the_features_changes_no_label(clusters, model, scale):
     X, y, queries, _ = clusters(6)
     expected = model.fit(X, y).predict(queries)
     np.testing.assert_array_equal(model.fit(scale * X, y).predict(scale * queries), expected)
 
 
-def test_the_scale_of_one_modality_changes_no_label():
-    X, y, queries, _ = clusters(7)
-    scale = np.where(np.arange(12) < 8, 1e6, 1.0)
-    for kernel in ("rbf", "linear"):
-        model = JKSC(MODALITIES, kernel=kernel)
-        expected = model.fit(X, y).predict(queries)
-        np.testing.assert_array_equal(model.fit(X * scale, y).predict(queries * scale), expected)
-
-
 @pytest.mark.parametrize(("scale_g", "scale_k"), [(1e9, 1e9), (1e-9, 1e-9), (1.0, 1e9), (1e9, 1e-9)])
-def test_the_scale_of_a_precomputed_kernel_changes_no_label(scale_g, scale_k):
+def test_the_scale_of_a_precomputed_kernel_changes_no_label(clusters, scale_g, scale_k):
     X, y, queries, _ = clusters(7)
     G, K = rbf_kernel(X, X, 0.05), rbf_kernel(queries, X, 0.05)
     expected = KSC("precomputed", normalize_kernel=False).fit(G, y).predict(K)
@@ -183,119 +126,22 @@ def test_the_scale_of_a_precomputed_kernel_changes_no_label(scale_g, scale_k):
     np.testing.assert_array_equal(scaled, expected)
 
 
-@pytest.mark.parametrize("coupling", ["shared", "independent"])
-def test_only_the_ratio_of_weights_counts(coupling):
-    X, y, queries, _ = clusters(17, spread=1.2)
-    model = JKSC(MODALITIES, coupling=coupling, weights={"image": 0.5, "force": 2.0}).fit(X, y)
-    np.testing.assert_array_equal(model.predict(queries, weights={"image": 4.0, "force": 16.0}), model.predict(queries))
-    assert (model.predict(queries, weights={"image": 2.0, "force": 0.01}) != model.predict(queries)).any()
-
-
-@pytest.mark.parametrize("kernel", ["rbf", "linear"])
-@pytest.mark.parametrize("coupling", ["shared", "independent"])
-def test_taxels_that_all_read_the_same_leave_the_labels_to_the_image(kernel, coupling):
-    X, y, queries, _ = clusters(18)
-    X[:, 8:], queries[:, 8:] = 0.0, 0.0
-    joint = JKSC(MODALITIES, kernel=kernel, coupling=coupling).fit(X, y)
-    alone = KSC(kernel).fit(X[:, :8], y)
-    assert np.isfinite(joint.decision_function(queries)).all()
-    agreement = np.mean(joint.predict(queries) == alone.predict(queries[:, :8]))
-    if kernel == "linear":
-        assert agreement == 1
-    elif coupling == "shared":
-        assert agreement > 0.7
-    else:  # a code of its own speaks for the class of the first atom, and no image outweighs it
-        np.testing.assert_array_equal(joint.predict(queries), y[0])
-
-
-@pytest.mark.parametrize("coupling", ["shared", "independent"])
-def test_a_modality_of_weight_zero_is_as_if_it_were_not_there(coupling):
-    X, y, queries, _ = clusters(8)
-    model = JKSC(MODALITIES, coupling=coupling).fit(X, y)
-    alone = KSC().fit(X[:, :8], y).decision_function(queries[:, :8])
-    fitted = JKSC(MODALITIES, coupling=coupling, weights={"force": 0}).fit(X, y)
-    for dead in (1e6, np.nan, np.inf):
-        noisy = queries.copy()
-        noisy[:, 8:] = dead
-        np.testing.assert_array_equal(model.decision_function(noisy, weights={"force": 0}), alone)
-        np.testing.assert_array_equal(fitted.decision_function(noisy), alone)
-        assert np.isnan(noisy[0, 8]) == np.isnan(dead)  # what the caller holds is left alone
-    noisy[0, 3] = np.nan
-    with pytest.raises(ValueError, match="NaN"):
-        model.predict(noisy, weights={"force": 0})
-
-
-def test_columns_that_two_modalities_share_are_looked_at_while_one_of_them_is_there():
-    X, y, queries, _ = clusters(8)
-    model = JKSC({"image": slice(0, 8), "force": slice(6, 12)}).fit(X, y)
-    dead = queries.copy()
-    dead[:, 8:] = np.nan
-    alone = KSC().fit(X[:, :8], y).decision_function(queries[:, :8])
-    np.testing.assert_array_equal(model.decision_function(dead, weights={"force": 0}), alone)
-    dead[:, 7] = np.nan
-    with pytest.raises(ValueError, match="NaN"):
-        model.predict(dead, weights={"force": 0})
-
-
-@pytest.mark.parametrize("coupling", ["shared", "independent"])
-def test_weights_at_predict_leave_those_of_modalities_that_they_do_not_name(coupling):
-    X, y, queries, _ = clusters(21, spread=1.2)
-    parts = {"a": slice(0, 5), "b": slice(5, 9), "c": slice(9, 12)}
-    model = JKSC(parts, coupling=coupling, weights={"a": 5, "b": 0.1}).fit(X, y)
-    scores = model.decision_function(queries, weights={"c": 0})
-    np.testing.assert_array_equal(scores, model.decision_function(queries, weights={"a": 5, "b": 0.1, "c": 0}))
-    assert not np.array_equal(scores, model.decision_function(queries, weights={"a": 1, "b": 1, "c": 0}))
-    np.testing.assert_array_equal(model.decision_function(queries, weights={}), model.decision_function(queries))
-
-
-def masks():
-    image = np.arange(12) < 8
-    return {"image": image, "force": (~image).tolist()}
-
-
-@pytest.mark.parametrize(
-    "given",
-    [
-        masks(),
-        {"image": range(8), "force": np.arange(8, 12, dtype=np.uint8)},
-        {"image": slice(None, -4), "force": slice(-4, None)},
-    ],
-    ids=["masks", "numbers", "slices"],
-)
-def test_columns_are_the_same_however_they_are_given(given):
-    X, y, queries, _ = clusters(22)
-    expected = JKSC(MODALITIES).fit(X, y).decision_function(queries)
-    np.testing.assert_allclose(JKSC(given).fit(X, y).decision_function(queries), expected, rtol=1e-9, atol=1e-12)
-    assert ModalityPCA(given).fit(X).transform(X).shape == (len(X), 12)
-
-
-def test_independent_coding_sums_the_residuals_of_separate_models():
-    rng = np.random.default_rng(9)
-    X, queries = rng.normal(size=(30, 60)), rng.normal(size=(10, 60))
-    y = np.arange(30) % 3
-    modalities = {"image": slice(0, 40), "force": slice(40, 60)}
-    joint = JKSC(modalities, coupling="independent", kernel="linear", n_nonzero_coefs=15).fit(X, y)
-    single = KSC("linear", n_nonzero_coefs=15)
-    parts = [single.fit(X[:, c], y).decision_function(queries[:, c]) for c in modalities.values()]
-    np.testing.assert_allclose(joint.decision_function(queries), parts[0] + parts[1], atol=1e-12)
-
-
 @pytest.mark.parametrize("model", both_kinds(), ids=str)
-def test_one_query_at_a_time_equals_the_batch_to_the_bit(model):
+def test_one_query_at_a_time_equals_the_batch_to_the_bit(clusters, model):
     X, y, queries, _ = clusters(10)
     model = model.fit(X, y)
     single = np.concatenate([model.decision_function(q[None]) for q in queries])
     np.testing.assert_array_equal(single, model.decision_function(queries))
 
 
-def test_threads_and_pickling_change_no_bit():
+def test_threads_and_pickling_change_no_bit(clusters):
     X, y, queries, _ = clusters(11, n_queries=200)
     expected = JKSC(MODALITIES).fit(X, y).decision_function(queries)
     model = pickle.loads(pickle.dumps(JKSC(MODALITIES, n_jobs=2).fit(X, y)))
     np.testing.assert_array_equal(model.decision_function(queries), expected)
 
 
-def test_a_training_sample_alone_in_its_class_is_found_again():
+def test_a_training_sample_alone_in_its_class_is_found_again(clusters):
     X, y, _, _ = clusters(12)
     y = y.copy()
     y[0] = 99
@@ -303,7 +149,7 @@ def test_a_training_sample_alone_in_its_class_is_found_again():
 
 
 @pytest.mark.parametrize("kernel", ["rbf", "linear"])
-def test_values_too_large_to_square_are_refused(kernel):
+def test_values_too_large_to_square_are_refused(clusters, kernel):
     X, y, queries, _ = clusters(19)
     with pytest.raises(ValueError, match="too large to square; scale the features"):
         KSC(kernel).fit(X, y).predict(1e200 * queries)
@@ -311,7 +157,7 @@ def test_values_too_large_to_square_are_refused(kernel):
 
 @pytest.mark.parametrize("kernel", ["rbf", "linear"])
 @pytest.mark.parametrize("scale", [1e-160, 1e-300])
-def test_values_too_small_to_square_are_refused(kernel, scale):
+def test_values_too_small_to_square_are_refused(clusters, kernel, scale):
     X, y, _, _ = clusters(19)
     with pytest.raises(ValueError, match="too small to square; scale the features"):
         KSC(kernel).fit(scale * X, y)
@@ -319,7 +165,7 @@ def test_values_too_small_to_square_are_refused(kernel, scale):
         JKSC(MODALITIES, kernel=kernel).fit(np.where(np.arange(12) < 8, 1.0, scale) * X, y)
 
 
-def test_fit_takes_little_memory_beside_the_gram_matrices():
+def test_fit_takes_little_memory_beside_the_gram_matrices(clusters):
     X, y, _, _ = clusters(23, per_class=120)
     models = [KSC(), KSC("linear"), JKSC(MODALITIES, kernel="linear"), JKSC(MODALITIES)]
     for model in models:
@@ -341,20 +187,20 @@ def test_constant_features_give_the_first_class(kernel):
     np.testing.assert_array_equal(model.predict(X), 0)
 
 
-def test_a_zero_query_of_the_linear_kernel_scores_zero_everywhere():
+def test_a_zero_query_of_the_linear_kernel_scores_zero_everywhere(clusters):
     X, y, _, _ = clusters(13)
     model = KSC("linear").fit(X, y)
     np.testing.assert_array_equal(model.decision_function(np.zeros((1, 12))), np.zeros((1, 5)))
 
 
-def test_copies_of_a_sample_under_two_labels_go_to_the_first_sample():
+def test_copies_of_a_sample_under_two_labels_go_to_the_first_sample(clusters):
     X, y, _, _ = clusters(14)
     doubled, labels = np.concatenate([X, X]), np.concatenate([y, (y + 1) % 5])
     np.testing.assert_array_equal(KSC().fit(doubled, labels).predict(X), y)
 
 
 @pytest.mark.parametrize("model", both_kinds(), ids=str)
-def test_values_that_are_not_finite_are_refused(model):
+def test_values_that_are_not_finite_are_refused(clusters, model):
     X, y, queries, _ = clusters(15)
     queries[3, 2] = np.nan
     with pytest.raises(ValueError, match="NaN"):
@@ -406,7 +252,7 @@ def test_values_that_are_not_finite_are_refused(model):
         ({"kernel": "precomputed", "modalities": MODALITIES}, "leave modalities=None"),
     ],
 )
-def test_wrong_settings_are_named(params, message):
+def test_wrong_settings_are_named(clusters, params, message):
     X, y, _, _ = clusters(16)
     with pytest.raises(ValueError, match=message):
         JKSC(**params).fit(X, y)
