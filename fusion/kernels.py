@@ -17,6 +17,7 @@ from fusion.settings import is_number
 Gamma = float | Literal["scale"]
 
 KERNELS = ("linear", "rbf", "precomputed")
+_TOO_SMALL = "X holds values too small to square; scale the features first (StandardScaler)."
 SMALLEST = float(np.finfo(np.float64).tiny)  # below it numbers lose digits
 
 
@@ -89,7 +90,7 @@ def check_squares_last(X: FloatArray) -> None:
     """ValueError where the squares of all of X would be lost below the smallest number though X is not 0."""
     largest = float(np.abs(X).max(initial=0.0))
     if largest > 0 and largest * largest < SMALLEST:
-        raise ValueError("X holds values too small to square; scale the features first (StandardScaler).")
+        raise ValueError(_TOO_SMALL)
 
 
 def resolve_gamma(gamma: object, X: FloatArray) -> float:
@@ -100,7 +101,7 @@ def resolve_gamma(gamma: object, X: FloatArray) -> float:
     if isinstance(gamma, str) and gamma == "scale":
         variance = float(X.var())
         if variance < SMALLEST and X.min() != X.max():
-            raise ValueError("X holds values too small to square; scale the features first (StandardScaler).")
+            raise ValueError(_TOO_SMALL)
         return 1.0 / (X.shape[1] * variance) if variance > 0 else 1.0
     if is_number(gamma) and 0 < gamma < np.inf:  # type: ignore[operator]
         return float(gamma)  # type: ignore[arg-type]

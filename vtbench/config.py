@@ -199,9 +199,11 @@ def _beside(suite: Path, scene: str | None) -> str | None:
 
 def _backbone(suite: Path, name: str | None) -> str | None:
     """A backbone as written, or the whole path of one's own file, as seen from the suite's folder."""
-    if name is None or not name.endswith(".onnx"):
-        return name
+    from fusion.features import is_own_file
     from vtbench.run.suite import opened_backbone
+
+    if name is None or not is_own_file(name):
+        return name
 
     try:
         return opened_backbone(str((suite.parent / Path(name).expanduser()).resolve()))

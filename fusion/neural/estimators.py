@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -26,7 +27,7 @@ from fusion.settings import not_negative, positive, share, whole_number
 ROWS = 128  # predicted at once
 
 
-class _FusionNet(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
+class _FusionNet(ClassifierMixin, BaseEstimator, ABC):  # type: ignore[misc]
     """What both nets share; each states its own parameters."""
 
     def fit(self, X: ArrayLike, y: ArrayLike, groups: ArrayLike | None = None) -> Self:
@@ -92,8 +93,9 @@ class _FusionNet(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
             return None
         return {part.name: part.columns for part in self._net.layout.parts}
 
+    @abstractmethod
     def _sized(self, layout: Layout, n_classes: int) -> Net:
-        raise NotImplementedError
+        """The net of this kind for a layout and so many classes."""
 
     def _learn(self, data: FloatArray, target: NDArray[np.int64], groups: NDArray[Any] | None) -> None:
         import torch

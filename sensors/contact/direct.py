@@ -11,6 +11,7 @@ Source: the active-set method of M. Hintermueller, K. Ito, K. Kunisch, SIAM J. O
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Protocol
 
 import numpy as np
@@ -81,17 +82,13 @@ def solve_load_direct(
     guess = None if initial is None else (np.asarray(initial) > 0) & np.isfinite(gap)
     if guess is None or not guess.any():
         guess = _guess(levels[:-1], gap, force_n)
-    try:
+    with suppress(_UndecidedError):
         return _settle(finest, gap, force_n, guess, _PENETRATION, _most_cells(finest))
-    except _UndecidedError:
-        pass
     try:
         return solve_load(finest, gap, force_n, initial=initial, tolerance=tolerance)
     except ConvergenceError:
-        try:
+        with suppress(_UndecidedError):
             return _settle(finest, gap, force_n, guess, _PENETRATION, _LAST_RESORT_CELLS)
-        except _UndecidedError:
-            pass
         raise
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 import scipy.fft
@@ -39,7 +39,8 @@ class SpectralCompliance:
         size = (2 * grid.n, 2 * grid.n)
         self._kernel: NDArray[np.floating] = scipy.fft.irfft2(self._symbol, size)
         self._inverse_kernel: NDArray[np.floating] = scipy.fft.irfft2(self._inverse, size)
-        self._windows: dict[tuple[int, int], SpectralWindow] = {}
+        made = partial(SpectralWindow, kernel=self._kernel, inverse_kernel=self._inverse_kernel)
+        self._window = lru_cache(maxsize=_MOST_WINDOWS)(made)
 
     def filter(self, field: NDArray[np.floating], symbol: NDArray[np.floating]) -> NDArray[np.floating]:
         """Apply a symbol of the padded domain to an (n, n) field; returns (n, n)."""
@@ -64,11 +65,7 @@ class SpectralCompliance:
     def window(self, rows: slice, columns: slice) -> SpectralWindow:
         """The compliance inside a rectangle: the same influence coefficients, on a smaller FFT."""
         shape = (rows.stop - rows.start, columns.stop - columns.start)
-        kept = self._windows.pop(shape, None) or SpectralWindow(shape, self._kernel, self._inverse_kernel)
-        self._windows[shape] = kept
-        if len(self._windows) > _MOST_WINDOWS:
-            del self._windows[next(iter(self._windows))]
-        return kept
+        return self._window(shape)
 
 
 class SpectralWindow:

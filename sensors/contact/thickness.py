@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 from sensors.contact.solver import ContactSolution
 
 
 def refuse_depth(depth_m: float, thickness_m: float) -> None:
     """ValueError for a depth that is not finite or reaches the base."""
-    if not depth_m < thickness_m:
+    if not (math.isfinite(depth_m) and depth_m < thickness_m):
         raise ValueError(f"depth must be finite and less than the pad's thickness {thickness_m} m, got {depth_m} m")
 
 

@@ -26,6 +26,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,11 @@ from vtbench.tasks.presses import (
 )
 from vtbench.tasks.splits import held_out
 from vtbench.tasks.study_splits import half_of, halves, pools
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from vtbench.data import Dataset
 
 Rows = NDArray[np.int64]
 TIMES_MS = (100, 200, 300, 400)
@@ -72,22 +78,24 @@ def _load(path: Path, features: FeatureCache, backbone: str) -> TaskData:
 
 
 def _other_moment(path: Path, ms: int) -> Features:
-    from vtbench.data import Dataset
-
-    dataset = Dataset.open(path, verify=False)
-    table = dataset.columns(["id", "rate_hz", "image_time_s"])
-    moments = table["image_time_s"].to_numpy() + clock_errors(table["id"].tolist(), ms / 1e3)
+    dataset, table, errors = _with_clock_errors(path, ms)
+    moments = table["image_time_s"].to_numpy() + errors
     return force_at(dataset.force_series(), table["rate_hz"].to_numpy(), moments)
 
 
 def _other_time(path: Path, ms: int) -> Features:
     """Histories with the clock errors of `_other_moment`."""
+    dataset, table, errors = _with_clock_errors(path, ms)
+    return in_steps(late(dataset.force_series(), table["rate_hz"].to_numpy(), errors), STEPS)
+
+
+def _with_clock_errors(path: Path, ms: int) -> tuple[Dataset, pd.DataFrame, NDArray[np.float64]]:
+    """The dataset, the times of its samples, and how far (s) the clock of each is off."""
     from vtbench.data import Dataset
 
     dataset = Dataset.open(path, verify=False)
-    table = dataset.columns(["id", "rate_hz"])
-    errors = clock_errors(table["id"].tolist(), ms / 1e3)
-    return in_steps(late(dataset.force_series(), table["rate_hz"].to_numpy(), errors), STEPS)
+    table = dataset.columns(["id", "rate_hz", "image_time_s"])
+    return dataset, table, clock_errors(table["id"].tolist(), ms / 1e3)
 
 
 def _other_place(data: TaskData, mm: int) -> Rows:

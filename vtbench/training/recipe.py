@@ -29,7 +29,7 @@ class Settings:
     """What the command says; `threads` of training, `jobs` processes that simulate."""
 
     seed: int = 0
-    images: int = 9000
+    images: int = TrainingPlan.presses
     epochs: int = 20
     device: str = "cpu"
     threads: int = 1

@@ -19,6 +19,7 @@ from sensors.contact.neohookean.press import Press
 from sensors.contact.neohookean.solution import PadSolution
 from sensors.contact.neohookean.surface import Surface
 from sensors.contact.solver import ConvergenceError
+from sensors.contact.thickness import refuse_depth
 
 Floats = NDArray[np.float64]
 
@@ -88,10 +89,7 @@ class NeoHookeanPad:
         self._check(surface)
         state = self._rest()
         for depth in depths_m:
-            if not np.isfinite(depth) or depth >= self.thickness_m:
-                raise ValueError(
-                    f"depth must be finite and less than the pad's thickness {self.thickness_m} m, got {depth} m"
-                )
+            refuse_depth(depth, self.thickness_m)
             solution = self._walk(surface, state, depth, None)
             state = _State.after(solution)
             yield solution
