@@ -7,7 +7,7 @@ from leaderboard.record import Identity, Metric, Provenance, Record, Status, Tim
 from leaderboard.statistics import paired_group_difference
 from leaderboard.tally import tally
 from vtbench.backbones.cost import frame_costs
-from vtbench.backbones.plot import draw_error_against_speed
+from vtbench.backbones.plot import _MS, _around, draw_error_against_speed
 from vtbench.backbones.scores import differences, scores
 from vtbench.cli import main
 
@@ -90,6 +90,15 @@ def test_the_picture_holds_every_protocol(tmp_path):
     assert path.read_bytes().startswith(b"\x89PNG")
     with pytest.raises(ValueError, match="found none"):
         draw_error_against_speed(path, [], {})
+
+
+@pytest.mark.parametrize("ms", [[3.0, 3.2], [1.5, 2.8, 7.6], [2.0], [0.05, 4000.0]])
+def test_the_axis_of_time_holds_every_mark_between_labelled_values(ms):
+    low, high = _around(ms)
+    assert low < min(ms) <= max(ms) < high
+    labelled = [tick for tick in _MS if low <= tick <= high]
+    assert labelled
+    assert len(labelled) <= 3 or max(ms) / min(ms) > 2.5  # not the whole axis for a few marks
 
 
 @pytest.mark.parametrize(
